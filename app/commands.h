@@ -1,0 +1,21 @@
+// One function a command: it declares the command's options on `app` and its callback. The commands of
+// the second list need LibTorch and live in a second executable that the first one starts.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace mocaplm {
+
+void add_synth(CLI::App& app);
+void add_import(CLI::App& app);
+void add_info(CLI::App& app);
+void add_tokenize(CLI::App& app);
+void add_generate(CLI::App& app);
+void add_view(CLI::App& app);
+
+void add_train(CLI::App& app);
+void add_classify(CLI::App& app);
+void add_evaluate(CLI::App& app);
+void add_demo(CLI::App& app);
+
+}  // namespace mocaplm

@@ -1,0 +1,74 @@
+#include "app/run.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <new>
+
+#include "app/options.h"
+#include "common/error.h"
+
+namespace mocaplm {
+
+namespace {
+
+char** g_argv = nullptr;
+
+int report(ExitCode code, const std::string& message) {
+  std::fprintf(stderr, "mocaplm: %s\n", message.c_str());
+  return static_cast<int>(code);
+}
+
+[[noreturn]] void start_with_torch() {
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe");
+  const std::filesystem::path other = self.parent_path() / "mocaplm-torch";
+  ::execv(other.c_str(), g_argv);
+  throw Error(ExitCode::internal, "cannot start " + other.string() + ", which should lie beside this program");
+}
+
+}  // namespace
+
+void add_commands_with_torch(CLI::App& app) {
+  const std::pair<const char*, const char*> commands[] = {
+      {"train", "pre-train or fine-tune a model on a dataset"},
+      {"classify", "train and test a classifier beside LDA and the majority class"},
+      {"evaluate", "bits per frame of a model beside simple baselines"},
+      {"demo", "the whole walk on procedural dances, in minutes"}};
+  for (const auto& [name, help] : commands) {
+    CLI::App* command = app.add_subcommand(name, help);
+    command->allow_extras();
+    command->prefix_command();
+    command->set_help_flag();  // the other executable answers --help
+    command->callback([] { start_with_torch(); });
+  }
+}
+
+int run(CLI::App& app, int argc, char** argv) {
+  g_argv = argv;
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "mocaplm " MOCAPLM_VERSION);
+  try {
+    app.parse(argc, argv);
+    return static_cast<int>(ExitCode::ok);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "mocaplm: %s\nTry 'mocaplm --help' or 'mocaplm COMMAND --help'.\n", error.what());
+    return static_cast<int>(ExitCode::usage);
+  } catch (const Error& error) {
+    return report(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return report(ExitCode::data, "out of memory: the input is too large for this machine");
+  } catch (const std::exception& error) {
+    return report(ExitCode::internal, std::string("internal error: ") + error.what());
+  }
+}
+
+void print_table(const Table& table, const std::string& json_file) {
+  std::fputs(table.text().c_str(), stdout);
+  std::fflush(stdout);
+  if (!json_file.empty()) save_json(json_file, table.json());
+}
+
+}  // namespace mocaplm

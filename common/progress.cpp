@@ -1,0 +1,79 @@
+#include "common/progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include "common/text.h"
+
+namespace mocaplm {
+
+Progress::Progress(std::string what, std::size_t total, std::string unit, double plain_seconds)
+    : what_(std::move(what)),
+      unit_(std::move(unit)),
+      total_(total),
+      plain_seconds_(plain_seconds),
+      terminal_(::isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()) {}
+
+Progress::~Progress() {
+  if (!finished_ && shown_ && terminal_) std::fputc('\n', stderr);
+}
+
+double Progress::elapsed() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+std::string Progress::line(const std::string& note) const {
+  const double seconds = std::max(elapsed(), 1e-9);
+  const double rate = static_cast<double>(done_) / seconds;
+  std::string text = what_ + " ";
+  if (total_ > 0 && terminal_) {
+    const int width = 24;
+    const int full = static_cast<int>(width * done_ / total_);
+    text += "[" + std::string(full, '#') + std::string(width - full, '.') + "] ";
+  }
+  text += std::to_string(done_) + (total_ > 0 ? "/" + std::to_string(total_) : "") + " " + unit_;
+  text += ", " + format_number(rate < 100 ? static_cast<double>(static_cast<long>(rate * 100)) / 100
+                                          : static_cast<double>(static_cast<long>(rate))) + "/s";
+  if (total_ > done_ && done_ > 0)
+    text += ", " + format_duration(static_cast<double>(total_ - done_) / rate) + " left";
+  else
+    text += ", " + format_duration(seconds);
+  if (!note.empty()) text += " | " + note;
+  return text;
+}
+
+void Progress::show(const std::string& text, bool final) {
+  shown_ = true;
+  if (terminal_)
+    std::fprintf(stderr, "\r\033[K%s%s", text.c_str(), final ? "\n" : "");
+  else
+    std::fprintf(stderr, "%s\n", text.c_str());
+  std::fflush(stderr);
+}
+
+void Progress::update(std::size_t done, const std::string& note) {
+  done_ = total_ > 0 ? std::min(done, total_) : done;
+  const double now = elapsed();
+  if (now - last_ < (terminal_ ? 0.1 : plain_seconds_)) return;
+  // A plain log starts with a first report after its interval, not with an empty one.
+  if (!terminal_ && last_ < 0 && now < plain_seconds_) return;
+  last_ = now;
+  show(line(note), false);
+}
+
+void Progress::print(const std::string& text) {
+  std::fprintf(stderr, "%s%s\n", terminal_ && shown_ ? "\r\033[K" : "", text.c_str());
+  std::fflush(stderr);
+}
+
+void Progress::finish(const std::string& note) {
+  if (finished_) return;
+  finished_ = true;
+  show(line(note), true);
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,34 @@
+// One progress bar for all long work: a moving line with rate and time left on a terminal, and a plain
+// line every `plain_seconds` elsewhere (a log file never sees a carriage return). Writes to stderr.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace mocaplm {
+
+class Progress {
+ public:
+  // `unit` is what is counted: "clips", "steps", "frames". A total of 0 means it is not known.
+  Progress(std::string what, std::size_t total, std::string unit, double plain_seconds = 10);
+  ~Progress();
+
+  void update(std::size_t done, const std::string& note = "");
+  void add(const std::string& note = "") { update(done_ + 1, note); }
+  // Prints a line of its own above the bar.
+  void print(const std::string& line);
+  void finish(const std::string& note = "");
+
+ private:
+  std::string line(const std::string& note) const;
+  double elapsed() const;
+  void show(const std::string& text, bool final);
+
+  std::string what_, unit_;
+  std::size_t total_, done_ = 0;
+  double plain_seconds_, last_ = -1e9;
+  bool terminal_, finished_ = false, shown_ = false;
+  std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace mocaplm

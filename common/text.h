@@ -1,0 +1,23 @@
+// Small helpers for messages.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace mocaplm {
+
+std::string join(const std::vector<std::string>& parts, const std::string& between);
+std::vector<std::string> split(const std::string& text, char at);
+std::string lower(std::string text);
+
+// The shortest form that reads well: 1e+300 stays, 0.5 stays, 3.0 becomes 3.
+std::string format_number(double value);
+// Fixed digits after the point.
+std::string format_fixed(double value, int digits);
+// "1:02:03", "4:05", "12 s".
+std::string format_duration(double seconds);
+
+// ", did you mean \"waack\"?" for the nearest candidate in edit distance, or "" when none is near.
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
+
+}  // namespace mocaplm

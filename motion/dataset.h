@@ -1,0 +1,42 @@
+// A dataset: a directory of clips (clips/NAME.npz) and a readable dataset.json that lists them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "motion/clip.h"
+
+namespace mocaplm {
+
+struct DatasetEntry {
+  std::string name;   // unique, also the file's stem
+  std::string file;   // relative to the dataset's directory
+  std::int64_t frames = 0;
+  double fps = 0;
+  Labels labels;
+  std::string group;  // clips of one group are never separated by a split
+  std::string split;  // "train", "validation" or "test"
+  std::string source; // where it was imported from
+};
+
+struct Dataset {
+  std::filesystem::path directory;
+  std::vector<DatasetEntry> entries;  // sorted by name
+  bool procedural = false;            // made by `synth`: said wherever its motion is shown
+
+  std::vector<DatasetEntry> split(const std::string& name) const;
+  // Values of one label over all entries, sorted, each once.
+  std::vector<std::string> label_values(const std::string& label) const;
+  // Label names in use, sorted.
+  std::vector<std::string> label_names() const;
+};
+
+// Reads and checks dataset.json. Throws DataError (missing keys, files that escape the directory,
+// duplicate names, unknown splits).
+Dataset load_dataset(const std::filesystem::path& directory);
+void save_dataset(const Dataset& dataset);
+// Reads one clip and gives it the entry's name and labels; throws DataError when it does not match it.
+Clip load_clip(const Dataset& dataset, const DatasetEntry& entry);
+
+}  // namespace mocaplm

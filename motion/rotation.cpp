@@ -1,0 +1,107 @@
+#include "motion/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mocaplm {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// sin(x) / x, by its series near zero.
+double sinc(double x) {
+  return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x;
+}
+
+double wrap(double angle) {
+  const double wrapped = std::remainder(angle, 2 * kPi);
+  return wrapped == -kPi ? kPi : wrapped;
+}
+
+// +1 for the cyclic orders XYZ, YZX, ZXY, else -1.
+double parity(const EulerOrder& order) {
+  return (order[1] - order[0] + 3) % 3 == 1 ? 1 : -1;
+}
+
+}  // namespace
+
+Eigen::Quaterniond quaternion_from_axis_angle(const Eigen::Vector3d& v) {
+  const double half = 0.5 * v.norm();
+  const Eigen::Vector3d imaginary = 0.5 * sinc(half) * v;
+  return Eigen::Quaterniond(std::cos(half), imaginary.x(), imaginary.y(), imaginary.z());
+}
+
+Eigen::Vector3d axis_angle_from_quaternion(const Eigen::Quaterniond& given) {
+  Eigen::Quaterniond q = given.normalized();
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();  // of half the angle
+  // angle / sin(angle / 2); atan2 keeps full precision at both ends.
+  const double scale = sine < 1e-8 ? 2 / q.w() : 2 * std::atan2(sine, q.w()) / sine;
+  return scale * q.vec();
+}
+
+Eigen::Matrix3d matrix_from_axis_angle(const Eigen::Vector3d& v) {
+  return quaternion_from_axis_angle(v).toRotationMatrix();
+}
+
+Eigen::Quaterniond quaternion_from_matrix(const Eigen::Matrix3d& matrix) {
+  // Eigen takes the largest of w, x, y, z as the pivot, which is what keeps it stable near pi.
+  return Eigen::Quaterniond(matrix).normalized();
+}
+
+Eigen::Vector3d axis_angle_from_matrix(const Eigen::Matrix3d& matrix) {
+  return axis_angle_from_quaternion(quaternion_from_matrix(matrix));
+}
+
+Eigen::Matrix3d matrix_from_euler(const Eigen::Vector3d& angles, const EulerOrder& order) {
+  Eigen::Matrix3d all = Eigen::Matrix3d::Identity();
+  for (int i = 0; i < 3; ++i)
+    all = all * Eigen::AngleAxisd(angles[i], Eigen::Vector3d::Unit(order[static_cast<std::size_t>(i)])).toRotationMatrix();
+  return all;
+}
+
+Eigen::Vector3d euler_from_matrix(const Eigen::Matrix3d& m, const EulerOrder& order) {
+  const int i = order[0], j = order[1], k = order[2];
+  const double s = parity(order);
+  const double middle = std::asin(std::clamp(s * m(i, k), -1.0, 1.0));
+  const double cosine = std::hypot(m(i, i), m(i, j));
+  if (cosine < 1e-9)  // gimbal lock: only the sum or difference of the outer angles is defined
+    return {wrap(std::atan2(s * m(k, j), m(j, j))), middle, 0};
+  // atan2 with the cosine keeps the middle angle precise near +-pi/2 where asin is not.
+  return {wrap(std::atan2(-s * m(j, k), m(k, k))), std::atan2(s * m(i, k), cosine), wrap(std::atan2(-s * m(i, j), m(i, i)))};
+}
+
+double geodesic_angle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  const Eigen::Quaterniond difference = a.conjugate() * b;
+  return 2 * std::atan2(difference.vec().norm(), std::abs(difference.w()));
+}
+
+Eigen::Quaterniond shortest_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to);
+}
+
+Eigen::Vector3d continuous_axis_angle(const Eigen::Vector3d& axis_angle, const Eigen::Vector3d& previous,
+                                      double limit) {
+  const Eigen::Vector3d shortest = axis_angle_from_quaternion(quaternion_from_axis_angle(axis_angle));
+  const double angle = shortest.norm();
+  // At no rotation every axis is as good: a whole turn about the previous one may be the continuation.
+  const Eigen::Vector3d axis = angle > 1e-9 ? Eigen::Vector3d(shortest / angle)
+                               : previous.norm() > 1e-9 ? Eigen::Vector3d(previous.normalized())
+                                                        : Eigen::Vector3d::UnitX();
+  Eigen::Vector3d best = shortest;
+  double best_distance = (shortest - previous).squaredNorm();
+  const int turns = static_cast<int>(std::ceil(limit * std::sqrt(3.0) / (2 * kPi))) + 1;
+  for (int k = -turns; k <= turns; ++k) {
+    const Eigen::Vector3d candidate = (angle + 2 * kPi * k) * axis;
+    if (candidate.cwiseAbs().maxCoeff() > limit) continue;
+    const double distance = (candidate - previous).squaredNorm();
+    if (distance < best_distance - 1e-12) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+}  // namespace mocaplm
