@@ -1,6 +1,6 @@
-// Motion as text (thesis 4.4, 4.5): a frame is a word, each axis-angle component a character, words are
-// separated by a space. Uniform bins over [-pi, pi] radians for rotations; bins over fitted ranges for
-// the root's translation.
+// Motion as text (thesis 4.4, 4.5): a frame is a word, each axis-angle component a character, words
+// are separated by a space. Uniform bins over [-pi, pi] radians for rotations; bins over fitted
+// ranges for the root's translation.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@
 namespace mocaplm {
 
 struct TokenizerConfig {
-  std::int64_t bins = 360;            // per channel
-  double fps = 20;                    // clips are resampled to this rate
+  std::int64_t bins = 360;                       // per channel
+  double fps = 20;                               // clips are resampled to this rate
   std::vector<std::string> joints = {"thesis"};  // joint or group names, see parse_joints
-  // "steps": per frame (left, height, forward): horizontal steps in the dancer's own heading, height
-  // absolute; "absolute": trans x, y, z; "none": rotations only.
+  // "steps": per frame (left, height, forward): horizontal steps in the dancer's own heading,
+  // height absolute; "absolute": trans x, y, z; "none": rotations only.
   std::string root = "steps";
 
   template <class Visitor>
@@ -55,10 +55,10 @@ class Tokenizer {
 
   const TokenizerConfig& config() const { return config_; }
   const std::vector<int>& joints() const { return joints_; }
-  int channels() const { return static_cast<int>(low_.size()); }    // 3 per joint, then 3 of the root
+  int channels() const { return static_cast<int>(low_.size()); }  // 3 per joint, then 3 of the root
   int rotation_channels() const { return 3 * static_cast<int>(joints_.size()); }
-  int tokens_per_frame() const { return channels() + 1; }            // with the separator
-  int vocabulary() const;                                            // all ids
+  int tokens_per_frame() const { return channels() + 1; }  // with the separator
+  int vocabulary() const;                                  // all ids
   int bins() const { return static_cast<int>(config_.bins); }
   bool is_bin(std::int32_t id) const { return id >= kFirstBin && id < kFirstBin + bins(); }
   // "left_knee.y", "root.forward"; also "separator" for channels().
@@ -66,20 +66,25 @@ class Tokenizer {
   // Joint of a rotation channel, -1 for the root's translation.
   int channel_joint(int channel) const;
 
-  // Condition tokens, appended after the bins in this order; adding keeps all earlier ids.
+  // Condition tokens, appended after the bins in this order; adding keeps all earlier ids, so new
+  // values of a label that is not the last one come as a second entry of that label. Known values
+  // stay as is.
   void add_label_values(const std::string& label, const std::vector<std::string>& values);
-  const std::vector<std::pair<std::string, std::vector<std::string>>>& label_values() const { return labels_; }
+  const std::vector<std::pair<std::string, std::vector<std::string>>>& label_values() const {
+    return labels_;
+  }
   // Id of a label's value. Throws DataError with the nearest known value.
   std::int32_t label_id(const std::string& label, const std::string& value) const;
   bool knows(const std::string& label, const std::string& value) const;
 
-  // (frames, channels) values at the tokenizer's rate: radians (continuous in time, components inside
+  // (frames, channels) values at the tokenizer's rate: radians (continuous in time, components
+  // inside
   // [-pi, pi]) and metres. The clip is resampled when its rate differs.
   Eigen::MatrixXd channel_values(const Clip& clip) const;
   TokenStream encode(const Clip& clip, EncodeReport* report = nullptr) const;
-  // Bins to motion at the tokenizer's rate. `start` is the root's position before the first step (metres).
-  // Joints that the tokenizer leaves out are zero. Throws DataError naming frame and channel when the
-  // stream is not whole frames of this tokenizer.
+  // Bins to motion at the tokenizer's rate. `start` is the root's position before the first step
+  // (metres). Joints that the tokenizer leaves out are zero. Throws DataError naming frame and
+  // channel when the stream is not whole frames of this tokenizer.
   Clip decode(const std::vector<std::int32_t>& ids, const std::string& name = "",
               const Eigen::Vector3d& start = Eigen::Vector3d::Zero()) const;
 
@@ -90,7 +95,8 @@ class Tokenizer {
   // Every bin a printable character (UTF-8); the separator is a space.
   std::string to_text(const std::vector<std::int32_t>& ids) const;
   // Throws DataError naming line and character of what is not in the alphabet.
-  std::vector<std::int32_t> from_text(const std::string& text, const std::string& name = "text") const;
+  std::vector<std::int32_t> from_text(const std::string& text,
+                                      const std::string& name = "text") const;
 
   Json to_json() const;
   static Tokenizer from_json(const Json& json, const std::string& place);
@@ -99,7 +105,13 @@ class Tokenizer {
   // Changes with anything that changes what a token id of a bin means; not with added labels.
   std::string fingerprint() const;
 
+  // What a token is, for messages: "bin 17", "the mask token", "unknown token -3".
+  std::string describe(std::int32_t id) const;
+
  private:
+  void read_ranges(JsonObject& object);
+  void read_labels(JsonObject& object);
+
   TokenizerConfig config_;
   std::vector<int> joints_;
   std::vector<double> low_, high_;  // per channel

@@ -1,0 +1,58 @@
+#include "tokenizer/root_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "motion/rotation.h"
+
+namespace mocaplm {
+
+double heading(const Eigen::Vector3d& pelvis_axis_angle) {
+  const Eigen::Matrix3d world = matrix_from_axis_angle(pelvis_axis_angle);
+  const Eigen::Vector3d front = world.col(2);
+  if (std::hypot(front.x(), front.z()) > 0.05) return std::atan2(front.x(), front.z());
+  // On the back (front up) the crown points backwards, on the belly (front down) forwards.
+  const Eigen::Vector3d crown = world.col(1) * (front.y() > 0 ? -1.0 : 1.0);
+  return std::atan2(crown.x(), crown.z());
+}
+
+Eigen::Vector2d to_dancer(const Eigen::Vector2d& floor, double heading) {
+  const double c = std::cos(heading), s = std::sin(heading);
+  return {c * floor.x() - s * floor.y(), s * floor.x() + c * floor.y()};
+}
+
+Eigen::Vector2d to_floor(const Eigen::Vector2d& dancer, double heading) {
+  const double c = std::cos(heading), s = std::sin(heading);
+  return {c * dancer.x() + s * dancer.y(), -s * dancer.x() + c * dancer.y()};
+}
+
+BinRange absolute_range(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const double margin = std::max(0.05, 0.1 * (*high - *low));
+  return {*low - margin, *high + margin};
+}
+
+namespace {
+
+double percentile(std::vector<double>& values, double share) {
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+BinRange step_range(std::vector<double> values, int bins, bool symmetric) {
+  constexpr double kLeast = 0.01;  // metres: a corpus that stands still still gets sane bins
+  double back = std::max(kLeast, -1.25 * percentile(values, 0.001));
+  double ahead = std::max(kLeast, 1.25 * percentile(values, 0.999));
+  if (symmetric) back = ahead = std::max(back, ahead);
+  // `before` whole bins, then the one around zero, then `after`; their width covers both ends.
+  const int before =
+      std::clamp(static_cast<int>(std::lround((bins - 1) * back / (back + ahead))), 0, bins - 1);
+  const int after = bins - 1 - before;
+  const double width = std::max(back / (before + 0.5), ahead / (after + 0.5));
+  return {-(before + 0.5) * width, (after + 0.5) * width};
+}
+
+}  // namespace mocaplm
