@@ -27,6 +27,9 @@ class BindOptions {
   void choice(const char* key, std::string& value, const std::vector<std::string>& allowed, const char* help) {
     app_.add_option(flag(key), value, help)->check(CLI::IsMember(allowed))->capture_default_str();
   }
+  void text(const char* key, std::string& value, const char* help) {
+    app_.add_option(flag(key), value, help)->capture_default_str();
+  }
   void texts(const char* key, std::vector<std::string>& value, const char* help) {
     app_.add_option(flag(key), value, help)->delimiter(',')->capture_default_str();
   }

@@ -34,6 +34,9 @@ class ReadSettings {
   void choice(const char* key, std::string& value, const std::vector<std::string>& allowed, const char*) {
     if (object_.has(key)) value = object_.choice(key, allowed);
   }
+  void text(const char* key, std::string& value, const char*) {
+    if (object_.has(key)) value = object_.text(key);
+  }
   void texts(const char* key, std::vector<std::string>& value, const char*) {
     if (object_.has(key)) value = object_.texts(key);
   }
@@ -49,6 +52,7 @@ class WriteSettings {
   void number(const char* key, double& value, double, double, const char*) { json_[key] = value; }
   void boolean(const char* key, bool& value, const char*) { json_[key] = value; }
   void choice(const char* key, std::string& value, const std::vector<std::string>&, const char*) { json_[key] = value; }
+  void text(const char* key, std::string& value, const char*) { json_[key] = value; }
   void texts(const char* key, std::vector<std::string>& value, const char*) { json_[key] = value; }
 
  private:
