@@ -21,11 +21,14 @@ class Table {
   std::string text() const;
   // {"title": ..., "columns": [...], "rows": [{column: value}], "notes": [...]}
   Json json() const;
+  const std::string& title() const { return title_; }
+  const std::vector<std::string>& columns() const { return columns_; }
   const std::vector<std::vector<Json>>& rows() const { return rows_; }
-
- private:
+  const std::vector<std::string>& notes() const { return notes_; }
+  // One value as text() prints it in that column.
   std::string cell(std::size_t column, const Json& value) const;
 
+ private:
   std::string title_;
   std::vector<std::string> columns_;
   std::vector<int> digits_;

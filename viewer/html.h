@@ -1,0 +1,32 @@
+// Text that goes into a page: escaping, JSON inside <script>, base64, and filling a template.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/json.h"
+#include "common/table.h"
+
+namespace mocaplm {
+
+// For element content and quoted attributes: & < > " ' are escaped, control characters dropped.
+std::string escape_html(std::string_view text);
+
+// JSON that may stand inside <script>: "<" and ">" are written as \u003c and \u003e, so no text can
+// close the element; bytes that are not UTF-8 become U+FFFD.
+std::string script_json(const Json& json);
+
+// Little-endian int16, base64 (RFC 4648) with padding.
+std::string base64(const std::vector<std::int16_t>& values);
+
+// Replaces every {{name}} by its value in one pass: a value is never searched itself. Throws Error
+// when the template names a value that is not given.
+std::string fill_template(std::string_view text, const std::map<std::string, std::string>& values);
+
+// <figure> with the table, its title as caption and its notes; the first column is left-aligned.
+std::string html_table(const Table& table);
+
+}  // namespace mocaplm

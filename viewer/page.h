@@ -1,0 +1,37 @@
+// One self-contained HTML page that plays motions: three.js, data, style and script are all inside,
+// it is opened straight from disk and asks nothing of any network.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/table.h"
+#include "motion/clip.h"
+
+namespace mocaplm {
+
+struct PageMotion {
+  std::string title;                    // short: it stands under the figure
+  Clip clip;                            // any rate; above 60 fps every n-th frame is shown
+  std::vector<int> highlighted_joints;  // drawn in the colour of given joints (a prompt's)
+  std::vector<int> trails;  // joints that draw their path; empty: both wrists, off at first
+  std::string caption;      // a sentence for the list below the stage
+};
+
+struct Page {
+  std::string title;
+  std::string note;                             // shown beside the title, e.g. "procedural dances"
+  std::string highlight_name = "given joints";  // what highlighted_joints are, for the legend
+  std::vector<PageMotion> motions;  // at least one; drawn left to right on a common clock
+  std::vector<Table> tables;
+  std::vector<std::pair<std::string, std::string>> settings;  // name, value
+};
+
+// All text is escaped. Throws UsageError when there is no motion or a joint does not exist,
+// DataError when a clip is not valid (check_clip) or this build has no three.js.
+std::string render_page(const Page& page);
+void write_page(const std::filesystem::path& path, const Page& page);
+
+}  // namespace mocaplm
