@@ -33,13 +33,6 @@ Clip at_rate(const Clip& clip, double fps) {
   return resample(clip, fps);
 }
 
-// The first frame's vector is made the shortest one, unless it is already so but for the rounding
-// to bins: what this tokenizer decoded is encoded back to the same bins.
-Eigen::Vector3d first_rotation(const Eigen::Vector3d& v, double slack) {
-  if (v.norm() <= kPi + slack && v.cwiseAbs().maxCoeff() <= kPi) return v;
-  return axis_angle_from_quaternion(quaternion_from_axis_angle(v));
-}
-
 bool has_pelvis(const std::vector<int>& joints) {
   return std::find(joints.begin(), joints.end(), kPelvis) != joints.end();
 }
@@ -108,15 +101,29 @@ int Tokenizer::bin_of(int channel, double value, bool* clamped) const {
   return static_cast<int>(std::clamp(bin, 0.0, bins() - 1.0));
 }
 
+// A vector of three bin centres is one that this tokenizer decoded: it is kept, so that decoded
+// motion is encoded back to the very same tokens even where the choice between equal rotations is
+// close.
+bool Tokenizer::is_decoded(const Eigen::Vector3d& v, int first) const {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(v[axis] - bin_centre(first + axis, bin_of(first + axis, v[axis]))) > 1e-12)
+      return false;
+  return true;
+}
+
 Eigen::MatrixXd Tokenizer::channel_values(const Clip& given) const {
   const Clip clip = at_rate(given, config_.fps);
   Eigen::MatrixXd values(clip.frames(), channels());
-  const double slack = std::sqrt(3.0) * kPi / bins();  // half a bin's diagonal
   for (int first = 0; first < rotation_channels(); first += 3) {
     Eigen::Vector3d previous;
     for (Eigen::Index t = 0; t < clip.frames(); ++t) {
       const Eigen::Vector3d v = clip.poses.row(t).segment<3>(3 * channel_joint(first)).transpose();
-      previous = t == 0 ? first_rotation(v, slack) : continuous_axis_angle(v, previous, kPi);
+      if (is_decoded(v, first))
+        previous = v;
+      else if (t == 0)
+        previous = axis_angle_from_quaternion(quaternion_from_axis_angle(v));
+      else
+        previous = continuous_axis_angle(v, previous, kPi);
       // Rounding must not push a component past the outermost bin.
       values.row(t).segment<3>(first) = previous.transpose().cwiseMax(-kPi).cwiseMin(kPi);
     }

@@ -109,6 +109,7 @@ class Tokenizer {
   std::string describe(std::int32_t id) const;
 
  private:
+  bool is_decoded(const Eigen::Vector3d& v, int first_channel) const;
   void read_ranges(JsonObject& object);
   void read_labels(JsonObject& object);
 

@@ -1,0 +1,85 @@
+#include "tokenizer/root_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/random.h"
+#include "motion/rotation.h"
+
+namespace mocaplm {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+TEST(Heading, OfAYawIsTheYawAndTiltsDoNotTurn) {
+  for (double yaw = -3.1; yaw < 3.1; yaw += 0.37) {
+    EXPECT_NEAR(heading({0, yaw, 0}), yaw, 1e-12);
+    for (const double pitch : {-1.4, -0.7, 0.7, 1.4}) {
+      const Eigen::Matrix3d turned =
+          matrix_from_axis_angle({0, yaw, 0}) * matrix_from_axis_angle({pitch, 0, 0});
+      EXPECT_NEAR(std::remainder(heading(axis_angle_from_matrix(turned)) - yaw, 2 * kPi), 0, 1e-9);
+    }
+  }
+}
+
+TEST(Heading, LyingOnTheBackOrBellyPointsWhereThePelvisPointedBefore) {
+  for (const double pitch : {-kPi / 2, kPi / 2}) {
+    const Eigen::Matrix3d turned =
+        matrix_from_axis_angle({0, 0.5, 0}) * matrix_from_axis_angle({pitch, 0, 0});
+    EXPECT_NEAR(heading(axis_angle_from_matrix(turned)), 0.5, 1e-9);
+  }
+}
+
+TEST(Heading, IsFiniteForEveryRotation) {
+  Random random(5);
+  for (int i = 0; i < 20000; ++i) {
+    const double x = random.uniform(-kPi, kPi), y = random.uniform(-kPi, kPi),
+                 z = random.uniform(-kPi, kPi);
+    EXPECT_TRUE(std::isfinite(heading({x, y, z})));
+  }
+}
+
+TEST(Steps, LeftIsPlusXAndForwardPlusZAtHeadingZero) {
+  EXPECT_TRUE(to_dancer({1, 0}, 0).isApprox(Eigen::Vector2d(1, 0)));
+  EXPECT_TRUE(to_dancer({0, 1}, 0).isApprox(Eigen::Vector2d(0, 1)));
+  // Facing +X, a step along +X is forward, and +Z lies to the right.
+  EXPECT_NEAR((to_dancer({1, 0}, kPi / 2) - Eigen::Vector2d(0, 1)).norm(), 0, 1e-15);
+  EXPECT_NEAR((to_dancer({0, 1}, kPi / 2) - Eigen::Vector2d(-1, 0)).norm(), 0, 1e-15);
+  for (double yaw = -4; yaw < 4; yaw += 0.3)
+    EXPECT_NEAR((to_floor(to_dancer({0.3, -0.7}, yaw), yaw) - Eigen::Vector2d(0.3, -0.7)).norm(), 0,
+                1e-15);
+}
+
+TEST(StepRange, KeepsZeroAtABinsCentreAndIgnoresOneBadJump) {
+  Random random(7);
+  for (const int bins : {2, 3, 90, 359, 360, 4096}) {
+    for (const bool symmetric : {false, true}) {
+      std::vector<double> values;
+      for (int i = 0; i < 5000; ++i) values.push_back(random.uniform(-0.02, 0.06));
+      values.push_back(50);
+      const BinRange range = step_range(values, bins, symmetric);
+      EXPECT_LT(range.low, 0);
+      EXPECT_GT(range.high, 0);
+      EXPECT_LT(range.high, bins < 4 ? 0.25 : 0.1);
+      const double zero =
+          -range.low / (range.high - range.low) * bins - 0.5;  // the bin whose centre is 0
+      EXPECT_NEAR(zero, std::round(zero), 1e-9);
+      if (bins > 3) {
+        EXPECT_LE(range.low, -0.02);
+        EXPECT_GE(range.high, 0.06);
+      }
+    }
+  }
+}
+
+TEST(StepRange, OfNoMovementIsStillARange) {
+  const BinRange range = step_range({0, 0, 0}, 360, true);
+  EXPECT_GT(range.high - range.low, 0.01);
+  const BinRange height = absolute_range({0.9});
+  EXPECT_LT(height.low, 0.9);
+  EXPECT_GT(height.high, 0.9);
+}
+
+}  // namespace
+}  // namespace mocaplm
