@@ -3,7 +3,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 
@@ -31,6 +33,19 @@ void make_parent(const fs::path& path) {
   if (error) throw DataError(in_file(parent.string()), "cannot create the folder: " + error.message());
 }
 
+// Puts `fresh` in the place of `path`; what was there ends up at `old`. In one step where the file system
+// can exchange two names, so that no moment exists without a folder at `path`.
+void swap_in(const fs::path& fresh, const fs::path& path, const fs::path& old) {
+  if (fs::exists(path)) {
+    if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, path.c_str(), RENAME_EXCHANGE) == 0) {
+      fs::rename(fresh, old);
+      return;
+    }
+    fs::rename(path, old);
+  }
+  fs::rename(fresh, path);
+}
+
 void flush_to_disk(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY);
   if (descriptor < 0) return;
@@ -38,9 +53,8 @@ void flush_to_disk(const fs::path& path) {
   ::close(descriptor);
 }
 
-}  // namespace
-
-std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
+// The size of a regular file; throws DataError for everything else.
+std::uintmax_t size_of_file(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) throw DataError(in_file(path.string()), "no such file");
@@ -48,16 +62,31 @@ std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
   if (!fs::is_regular_file(status)) throw DataError(in_file(path.string()), "is not a regular file");
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) throw DataError(in_file(path.string()), "cannot be read: " + error.message());
+  return size;
+}
+
+std::string read_bytes(const fs::path& path, std::uintmax_t count) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw DataError(in_file(path.string()), "cannot be opened: " + reason());
+  std::string bytes(count, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(count));
+  if (static_cast<std::uintmax_t>(in.gcount()) != count)
+    throw DataError(at_byte(path.string(), static_cast<std::size_t>(in.gcount())), "reading stopped: " + reason());
+  return bytes;
+}
+
+}  // namespace
+
+std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
+  const std::uintmax_t size = size_of_file(path);
   if (size > max_bytes)
     throw DataError(in_file(path.string()), "has " + std::to_string(size) + " bytes, more than the limit of " +
                                                 std::to_string(max_bytes));
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw DataError(in_file(path.string()), "cannot be opened: " + reason());
-  std::string bytes(size, '\0');
-  in.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(in.gcount()) != size)
-    throw DataError(at_byte(path.string(), static_cast<std::size_t>(in.gcount())), "reading stopped: " + reason());
-  return bytes;
+  return read_bytes(path, size);
+}
+
+std::string read_head(const fs::path& path, std::uintmax_t count) {
+  return read_bytes(path, std::min(count, size_of_file(path)));
 }
 
 void write_file(const fs::path& path, std::string_view bytes) {
@@ -101,8 +130,7 @@ void write_directory_with(const fs::path& path, const std::function<bool(const f
   try {
     fs::create_directories(temporary);
     fill(temporary);
-    if (fs::exists(path)) fs::rename(path, old);
-    fs::rename(temporary, path);
+    swap_in(temporary, path, old);
   } catch (const fs::filesystem_error& error) {
     if (!fs::exists(path) && fs::exists(old)) fs::rename(old, path, ignored);
     fs::remove_all(temporary, ignored);

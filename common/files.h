@@ -15,6 +15,9 @@ constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
 // Returns the file's bytes. Throws DataError when it is missing, a directory, unreadable or too large.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = kMaxFileBytes);
 
+// The first bytes, at most `count`, of a file of any size: enough to tell one format from another.
+std::string read_head(const std::filesystem::path& path, std::uintmax_t count);
+
 // Writes beside `path` and renames over it, so a reader sees the old file or the new one, never half of
 // one. Creates the parent directory. Throws DataError when the disk refuses.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
