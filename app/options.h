@@ -1,30 +1,44 @@
-// Binds the settings that a struct declares in `describe` (common/settings.h) to command line options:
-// n_layer becomes --n-layer, with the declared range, default and help.
+// Binds the settings that a struct declares in `describe` (common/settings.h) to command line
+// options: n_layer becomes --n-layer, with the declared range, default and help.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "common/settings.h"
 #include "common/table.h"
 
 namespace mocaplm {
+
+// n_layer -> --n-layer
+inline std::string option_flag(std::string key) {
+  for (char& c : key)
+    if (c == '_') c = '-';
+  return "--" + key;
+}
 
 class BindOptions {
  public:
   explicit BindOptions(CLI::App& app) : app_(app) {}
 
-  void integer(const char* key, std::int64_t& value, std::int64_t min, std::int64_t max, const char* help) {
+  void integer(const char* key, std::int64_t& value, std::int64_t min, std::int64_t max,
+               const char* help) {
     app_.add_option(flag(key), value, help)->check(CLI::Range(min, max))->capture_default_str();
   }
   void number(const char* key, double& value, double min, double max, const char* help) {
     // Range also refuses nan, which compares as neither inside nor outside.
-    app_.add_option(flag(key), value, help)->check(CLI::Range(min, max))->check(finite())->capture_default_str();
+    app_.add_option(flag(key), value, help)
+        ->check(CLI::Range(min, max))
+        ->check(finite())
+        ->capture_default_str();
   }
   void boolean(const char* key, bool& value, const char* help) {
-    app_.add_flag(flag(key) + ",!" + "--no-" + flag(key).substr(2), value, help)->capture_default_str();
+    app_.add_flag(flag(key) + ",!" + "--no-" + flag(key).substr(2), value, help)
+        ->capture_default_str();
   }
-  void choice(const char* key, std::string& value, const std::vector<std::string>& allowed, const char* help) {
+  void choice(const char* key, std::string& value, const std::vector<std::string>& allowed,
+              const char* help) {
     app_.add_option(flag(key), value, help)->check(CLI::IsMember(allowed))->capture_default_str();
   }
   void text(const char* key, std::string& value, const char* help) {
@@ -36,16 +50,14 @@ class BindOptions {
 
   static CLI::Validator finite() {
     return CLI::Validator(
-        [](std::string& text) { return text.find_first_of("nNfF") == std::string::npos ? "" : "expected a finite number"; },
+        [](std::string& text) {
+          return text.find_first_of("nNfF") == std::string::npos ? "" : "expected a finite number";
+        },
         "FINITE");
   }
 
  private:
-  static std::string flag(std::string key) {
-    for (char& c : key)
-      if (c == '_') c = '-';
-    return "--" + key;
-  }
+  static std::string flag(const std::string& key) { return option_flag(key); }
   CLI::App& app_;
 };
 
@@ -54,6 +66,23 @@ void bind_options(CLI::App& app, Config& config) {
   BindOptions visitor(app);
   config.describe(visitor);
 }
+
+// Copies into `config` only those settings that the user gave on the command line (parsed into
+// `given`): a config file's value stays unless an option overrides it.
+template <class Config>
+void overlay_options(const CLI::App& app, Config& given, Config& config) {
+  Json used = Json::object();
+  const Json all = settings_json(given);
+  for (const auto& item : all.items()) {
+    const CLI::Option* option = app.get_option_no_throw(option_flag(item.key()));
+    if (option != nullptr && option->count() > 0) used[item.key()] = item.value();
+  }
+  JsonObject object(used, "command line");
+  read_settings(config, object);
+}
+
+// --device cpu|cuda|auto and --threads N.
+void add_machine_options(CLI::App& app, std::string& device, int& threads);
 
 // Prints the table and, when `json_file` is not empty, writes its JSON there.
 void print_table(const Table& table, const std::string& json_file);

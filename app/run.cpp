@@ -24,7 +24,8 @@ int report(ExitCode code, const std::string& message) {
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe");
   const std::filesystem::path other = self.parent_path() / "mocaplm-torch";
   ::execv(other.c_str(), g_argv);
-  throw Error(ExitCode::internal, "cannot start " + other.string() + ", which should lie beside this program");
+  throw Error(ExitCode::internal,
+              "cannot start " + other.string() + ", which should lie beside this program");
 }
 
 }  // namespace
@@ -54,7 +55,8 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "mocaplm: %s\nTry 'mocaplm --help' or 'mocaplm COMMAND --help'.\n", error.what());
+    std::fprintf(stderr, "mocaplm: %s\nTry 'mocaplm --help' or 'mocaplm COMMAND --help'.\n",
+                 error.what());
     return static_cast<int>(ExitCode::usage);
   } catch (const Error& error) {
     return report(error.code(), error.what());
@@ -63,6 +65,15 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const std::exception& error) {
     return report(ExitCode::internal, std::string("internal error: ") + error.what());
   }
+}
+
+void add_machine_options(CLI::App& app, std::string& device, int& threads) {
+  app.add_option("--device", device, "where to compute")
+      ->check(CLI::IsMember({"cpu", "cuda", "auto"}))
+      ->capture_default_str();
+  app.add_option("--threads", threads, "threads, 0 for all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
 }
 
 void print_table(const Table& table, const std::string& json_file) {

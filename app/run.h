@@ -8,8 +8,8 @@ namespace mocaplm {
 // 0 ok, 1 internal, 2 usage, 3 bad input or data.
 int run(CLI::App& app, int argc, char** argv);
 
-// Names the commands of the executable with LibTorch (mocaplm-torch, beside this one); using one replaces
-// this process by it, as git does with its own commands.
+// Names the commands of the executable with LibTorch (mocaplm-torch, beside this one); using one
+// replaces this process by it, as git does with its own commands.
 void add_commands_with_torch(CLI::App& app);
 
 }  // namespace mocaplm

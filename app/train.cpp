@@ -1,0 +1,58 @@
+// mocaplm train: pre-train on a dataset, fine-tune with --from, go on with --resume.
+#include <cstdio>
+#include <memory>
+
+#include "app/commands.h"
+#include "app/options.h"
+#include "common/error.h"
+#include "common/text.h"
+#include "train/trainer.h"
+
+namespace mocaplm {
+
+namespace {
+
+struct TrainCommand {
+  TrainOptions options;
+  std::string config_file, from;
+  RunConfig given;  // what the command line says; only options that were used count
+};
+
+void run_train(const CLI::App& app, TrainCommand& command) {
+  TrainOptions& options = command.options;
+  if (!command.config_file.empty()) options.config = load_run_config(command.config_file);
+  overlay_options(app, command.given.tokenizer, options.config.tokenizer);
+  overlay_options(app, command.given.model, options.config.model);
+  overlay_options(app, command.given.train, options.config.train);
+  if (!command.from.empty()) options.from = command.from;
+  if (!options.resume && options.data.empty())
+    throw UsageError("--data is required (a folder made by 'mocaplm import' or 'mocaplm synth')");
+  std::printf("%s\n", to_json(options.config).dump(2).c_str());
+  std::fflush(stdout);
+  const TrainResult result = train(options);
+  std::printf(
+      "%lld parameters, %lld steps in %s, %.0f tokens/s; best validation %.2f bits/frame\nmodel: "
+      "%s\n",
+      static_cast<long long>(result.parameters), static_cast<long long>(result.steps),
+      format_duration(result.seconds).c_str(), result.tokens_per_second, result.best_bits_per_frame,
+      result.model.c_str());
+}
+
+}  // namespace
+
+void add_train(CLI::App& app) {
+  CLI::App* train = app.add_subcommand("train", "pre-train or fine-tune a model on a dataset");
+  auto command = std::make_shared<TrainCommand>();
+  train->add_option("--config", command->config_file, "settings file, see configs/");
+  train->add_option("--data", command->options.data, "dataset folder");
+  train->add_option("--out", command->options.out, "folder of the run")->required();
+  train->add_option("--from", command->from, "fine-tune this model");
+  train->add_flag("--resume", command->options.resume, "go on with the run in --out");
+  add_machine_options(*train, command->options.device, command->options.threads);
+  bind_options(*train->add_option_group("tokenizer"), command->given.tokenizer);
+  bind_options(*train->add_option_group("model"), command->given.model);
+  bind_options(*train->add_option_group("training"), command->given.train);
+  train->callback([train, command] { run_train(*train, *command); });
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,82 @@
+// What a model is: the settings of its transformer and the token stream it was made for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/settings.h"
+
+namespace mocaplm {
+
+struct ModelConfig {
+  std::string architecture = "flat";  // one position a token (thesis Figure 4.1)
+  std::int64_t n_layer = 4;
+  std::int64_t n_head = 4;
+  std::int64_t n_embd = 192;
+  std::int64_t block_size = 1024;
+  double dropout = 0.1;
+  std::string position = "custom";
+  std::string output = "extrapolation";
+  std::int64_t reach = 60;
+  bool history = true;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.choice("architecture", architecture, {"flat"}, "flat: one position a token");
+    v.integer("n_layer", n_layer, 1, 96, "transformer blocks");
+    v.integer("n_head", n_head, 1, 128, "attention heads; divides n_embd");
+    v.integer("n_embd", n_embd, 8, 8192, "width of the embedding");
+    v.integer("block_size", block_size, 16, 65536, "tokens in the context window");
+    v.number("dropout", dropout, 0, 0.9, "embedding, attention and residual dropout");
+    v.choice(
+        "position", position, {"custom", "absolute"},
+        "custom: embeddings of frame and joint channel (thesis 4.5.2); absolute: of the position");
+    v.choice(
+        "output", output, {"extrapolation", "absolute"},
+        "absolute: logits over bins (the thesis); extrapolation: adds logits over the distance to "
+        "the linear extrapolation 2x[t-1]-x[t-2] of the same channel");
+    v.integer("reach", reach, 1, 4096,
+              "bins on each side of the extrapolation with a logit of their own");
+    v.boolean("history", history, "embed each channel's own recent movement beside the tokens");
+  }
+};
+
+// The token stream's side of a model; fixed by the tokenizer it was trained with.
+struct StreamShape {
+  std::int64_t vocabulary = 0;  // ids, label values included
+  std::int64_t first_bin = 0;   // id of bin 0
+  std::int64_t bins = 0;
+  std::int64_t channels = 0;  // a frame has channels + 1 tokens, the last is the separator
+
+  std::int64_t tokens_per_frame() const { return channels + 1; }
+};
+
+struct ModelDescription {
+  ModelConfig config;
+  StreamShape shape;
+  std::string tokenizer_fingerprint;
+  std::vector<std::string> conditions;  // labels whose tokens head each window, in this order
+  std::vector<std::pair<std::string, std::vector<std::string>>>
+      classes;                     // classified labels, values
+  bool procedural = false;         // trained on procedural dances only
+  Json training = Json::object();  // the resolved settings of the run that made it, for the record
+};
+
+// Throws UsageError when settings contradict each other (n_head does not divide n_embd, a block
+// that does not hold the conditions and one whole frame).
+void check_model(const ModelDescription& description);
+
+Json to_json(const ModelDescription& description);
+// Throws DataError on missing, unknown or impossible keys.
+ModelDescription model_from_json(const Json& json, const std::string& place);
+
+// Shapes that both the trainable model and the decoding engine derive from a description.
+struct ModelSizes {
+  std::int64_t frame_positions;    // rows of the frame embedding: 0 for the prefix, then 1, 2, ...
+  std::int64_t channel_positions;  // rows of the channel embedding: channels, separator, prefix
+  std::int64_t history_rows;  // rows of each history embedding: 0 for "none", then -reach..reach
+  std::int64_t offsets;       // logits relative to the extrapolation: 2 * reach + 1
+};
+ModelSizes model_sizes(const ModelDescription& description);
+
+}  // namespace mocaplm

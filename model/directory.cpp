@@ -1,0 +1,189 @@
+#include "model/directory.h"
+
+#include <cmath>
+
+#include "common/error.h"
+#include "common/files.h"
+#include "common/random.h"
+
+namespace fs = std::filesystem;
+
+namespace mocaplm {
+
+namespace {
+
+constexpr std::uintmax_t kMaxModelBytes = std::uintmax_t{16} << 30;
+
+Json ints(const std::vector<std::int32_t>& values) {
+  return Json(values);
+}
+
+std::vector<std::int32_t> read_ints(JsonObject& object, const std::string& key) {
+  std::vector<std::int32_t> values;
+  for (const double value : object.numbers(key)) {
+    if (value != static_cast<double>(static_cast<std::int32_t>(value)))
+      object.fail(key, "expected whole numbers");
+    values.push_back(static_cast<std::int32_t>(value));
+  }
+  return values;
+}
+
+Json self_test_json(const std::vector<SelfTestCase>& cases) {
+  Json all = Json::array();
+  for (const SelfTestCase& one : cases) {
+    const ModelInput& in = one.input;
+    all.push_back({{"token", ints(in.token)},
+                   {"frame", ints(in.frame)},
+                   {"channel", ints(in.channel)},
+                   {"centre", ints(in.centre)},
+                   {"surprise", ints(in.surprise)},
+                   {"velocity", ints(in.velocity)},
+                   {"last_surprise", ints(in.last_surprise)},
+                   {"logits", one.logits}});
+  }
+  return all;
+}
+
+std::vector<SelfTestCase> read_self_test(const Json& json, const std::string& place) {
+  if (!json.is_array()) throw DataError(in_file(place), "expected a list of cases");
+  std::vector<SelfTestCase> cases;
+  for (const Json& item : json) {
+    JsonObject object(item, place);
+    SelfTestCase one;
+    ModelInput& in = one.input;
+    in.token = read_ints(object, "token");
+    in.frame = read_ints(object, "frame");
+    in.channel = read_ints(object, "channel");
+    in.centre = read_ints(object, "centre");
+    in.surprise = read_ints(object, "surprise");
+    in.velocity = read_ints(object, "velocity");
+    in.last_surprise = read_ints(object, "last_surprise");
+    for (const double value : object.numbers("logits"))
+      one.logits.push_back(static_cast<float>(value));
+    object.finish();
+    for (const auto* list :
+         {&in.frame, &in.channel, &in.centre, &in.surprise, &in.velocity, &in.last_surprise})
+      if (list->size() != in.size()) throw DataError(in_file(place), "lists of different lengths");
+    cases.push_back(std::move(one));
+  }
+  return cases;
+}
+
+void write_marker(const fs::path& directory) {
+  Json files = Json::object();
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    const std::string bytes = read_file(entry.path(), kMaxModelBytes);
+    files[entry.path().filename().string()] = {{"bytes", bytes.size()},
+                                               {"hash", hex(stable_hash(bytes))}};
+  }
+  save_json(directory / "complete", files);
+}
+
+void check_marker(const fs::path& directory) {
+  const fs::path marker = directory / "complete";
+  if (!fs::exists(marker))
+    throw DataError(
+        in_file(directory.string()),
+        "has no file \"complete\": the model was never finished, or this is not a model");
+  const Json files = load_json(marker);
+  if (!files.is_object()) throw DataError(in_file(marker.string()), "expected a JSON object");
+  for (const auto& item : files.items()) {
+    JsonObject entry(item.value(), marker.string() + ": " + item.key());
+    const fs::path file = directory / fs::path(item.key()).filename();
+    const auto size = static_cast<std::uintmax_t>(entry.integer("bytes", 0));
+    const std::string hash = entry.text("hash");
+    entry.finish();
+    const std::string bytes = read_file(file, kMaxModelBytes);
+    if (bytes.size() != size)
+      throw DataError(in_file(file.string()), "has " + std::to_string(bytes.size()) +
+                                                  " bytes, expected " + std::to_string(size) +
+                                                  ": the file was cut off or changed");
+    if (hex(stable_hash(bytes)) != hash)
+      throw DataError(in_file(file.string()),
+                      "was changed after the model was saved (its hash differs)");
+  }
+}
+
+}  // namespace
+
+fs::path resolve_model(const fs::path& path) {
+  if (!fs::exists(path)) throw DataError(in_file(path.string()), "no such model folder");
+  if (!fs::is_directory(path))
+    throw DataError(in_file(path.string()), "is a file, expected a model folder");
+  for (const fs::path& candidate : {path, path / "best", path / "last"})
+    if (fs::exists(candidate / "config.json")) return candidate;
+  throw DataError(
+      in_file(path.string()),
+      "holds no config.json, so it is neither a model nor a training run with one saved");
+}
+
+bool looks_like_model(const fs::path& path) {
+  return fs::exists(path / "config.json") || fs::exists(path / "model.safetensors");
+}
+
+ModelDescription load_description(const fs::path& path) {
+  const fs::path file = resolve_model(path) / "config.json";
+  return model_from_json(load_json(file), file.string());
+}
+
+StoredModel load_model(const fs::path& path) {
+  const fs::path directory = resolve_model(path);
+  check_marker(directory);
+  StoredModel model;
+  model.description = load_description(directory);
+  model.tokenizer = load_json(directory / "tokenizer.json");
+  model.tensors = read_safetensors(directory / "model.safetensors");
+  const fs::path test = directory / "selftest.json";
+  model.self_test = read_self_test(load_json(test), test.string());
+  return model;
+}
+
+void check_input(const ModelInput& input, const ModelDescription& model, const std::string& place) {
+  const ModelSizes sizes = model_sizes(model);
+  const auto check = [&](const std::vector<std::int32_t>& values, std::int64_t rows,
+                         const char* what) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i] < 0 || values[i] >= rows)
+        throw DataError(in_file(place), std::string(what) + " " + std::to_string(values[i]) +
+                                            " at position " + std::to_string(i) +
+                                            ", expected 0 to " + std::to_string(rows - 1));
+  };
+  if (input.size() == 0 || static_cast<std::int64_t>(input.size()) > model.config.block_size)
+    throw DataError(in_file(place), "a window of " + std::to_string(input.size()) +
+                                        " tokens, expected 1 to " +
+                                        std::to_string(model.config.block_size));
+  check(input.token, model.shape.vocabulary, "token");
+  check(input.frame, sizes.frame_positions, "frame");
+  check(input.channel, sizes.channel_positions, "channel");
+  check(input.surprise, sizes.history_rows, "surprise");
+  check(input.velocity, sizes.history_rows, "velocity");
+  check(input.last_surprise, sizes.history_rows, "last surprise");
+}
+
+void check_self_test(const SelfTestCase& expected, const std::vector<float>& logits,
+                     const std::string& place) {
+  if (logits.size() != expected.logits.size())
+    throw DataError(in_file(place), "expects " + std::to_string(expected.logits.size()) +
+                                        " logits, the model gives " +
+                                        std::to_string(logits.size()));
+  for (std::size_t i = 0; i < logits.size(); ++i)
+    if (!(std::abs(logits[i] - expected.logits[i]) <= 2e-2f + 1e-3f * std::abs(expected.logits[i])))
+      throw DataError(in_file(place), "the model's self-test fails: logit " + std::to_string(i) +
+                                          " is " + std::to_string(logits[i]) + ", expected " +
+                                          std::to_string(expected.logits[i]) +
+                                          "; weights and config do not belong together");
+}
+
+void save_model(const fs::path& path, const StoredModel& model,
+                const std::function<void(const fs::path&)>& more) {
+  write_directory_with(path, looks_like_model, [&](const fs::path& directory) {
+    save_json(directory / "config.json", to_json(model.description));
+    save_json(directory / "tokenizer.json", model.tokenizer);
+    write_file(directory / "selftest.json", self_test_json(model.self_test).dump() + "\n");
+    write_safetensors(directory / "model.safetensors", model.tensors);
+    if (more) more(directory);
+    write_marker(directory);
+  });
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,64 @@
+// What the model sees of a token stream: the tokens, their place in the frame, and the recent
+// movement of each channel. Built here once, for training, evaluation and generation alike.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "model/config.h"
+
+namespace mocaplm {
+
+constexpr std::int32_t kNoCentre = -1000000;
+
+// One input of the model: T positions. Every vector has T entries.
+struct ModelInput {
+  std::vector<std::int32_t> token;  // id
+  std::vector<std::int32_t>
+      frame;  // row of the frame embedding: 0 prefix, 1.. frames of the window
+  std::vector<std::int32_t> channel;  // row of the channel embedding: channel, separator, prefix
+  // Bin that linear extrapolation 2x[t-1]-x[t-2] predicts for the *next* token (may lie outside the
+  // bins), x[t-1] where only one frame precedes, kNoCentre where none does or the next token is no
+  // bin.
+  std::vector<std::int32_t> centre;
+  // Rows of the three history embeddings, 0 where unknown: this token's distance from its
+  // extrapolation; the next channel's last step x[t-1]-x[t-2]; the next channel's last distance
+  // from its extrapolation.
+  std::vector<std::int32_t> surprise, velocity, last_surprise;
+
+  std::size_t size() const { return token.size(); }
+};
+
+// Reads the past of each channel out of a stream of whole frames (the last may be unfinished).
+class StreamHistory {
+ public:
+  StreamHistory(const StreamShape& shape, std::int64_t reach) : shape_(shape), reach_(reach) {}
+
+  // `index` may be ids.size(): the token that comes next.
+  std::int32_t centre(const std::vector<std::int32_t>& ids, std::size_t index) const;
+  std::int32_t surprise_row(const std::vector<std::int32_t>& ids, std::size_t index) const;
+  std::int32_t velocity_row(const std::vector<std::int32_t>& ids, std::size_t index) const;
+  std::int32_t last_surprise_row(const std::vector<std::int32_t>& ids, std::size_t index) const;
+
+ private:
+  // Bin of the token `frames` frames before `index`; kNoCentre when there is none.
+  std::int32_t bin(const std::vector<std::int32_t>& ids, std::size_t index,
+                   std::size_t frames) const;
+  std::int32_t row(std::int64_t distance) const;
+
+  StreamShape shape_;
+  std::int64_t reach_;
+};
+
+// Appends one position: prefix tokens first, then stream tokens from `first` (the start of a frame)
+// on. `next` is the index in `ids` of the token that this position predicts.
+void append_prefix(ModelInput& input, const ModelDescription& model, std::int32_t token, bool last,
+                   const std::vector<std::int32_t>& ids, std::size_t first);
+void append_stream(ModelInput& input, const ModelDescription& model,
+                   const std::vector<std::int32_t>& ids, std::size_t first, std::size_t index);
+
+// Prefix, then `count` tokens of `ids` from `first` (a multiple of tokens_per_frame) on.
+ModelInput window_input(const ModelDescription& model, const std::vector<std::int32_t>& prefix,
+                        const std::vector<std::int32_t>& ids, std::size_t first, std::size_t count);
+
+}  // namespace mocaplm

@@ -1,0 +1,92 @@
+#include "model/transformer/weights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+#include "common/text.h"
+
+namespace mocaplm {
+
+namespace {
+
+std::string shape_text(const std::vector<std::int64_t>& shape) {
+  std::vector<std::string> parts;
+  for (const std::int64_t extent : shape) parts.push_back(std::to_string(extent));
+  return "(" + join(parts, ", ") + ")";
+}
+
+bool only_more_rows(const std::vector<std::int64_t>& stored,
+                    const std::vector<std::int64_t>& wanted) {
+  return !stored.empty() && stored.size() == wanted.size() && stored[0] <= wanted[0] &&
+         std::equal(stored.begin() + 1, stored.end(), wanted.begin() + 1);
+}
+
+std::vector<float> last_logits(Transformer& model, const ModelInput& input) {
+  const at::NoGradGuard no_grad;
+  const Batch batch = stack({input}).to(model.parameters().front().device());
+  const at::Tensor hidden = model.hidden(batch);
+  const at::Tensor logits = model.logits(hidden, batch)[0][-1].to(at::kCPU).contiguous();
+  return {logits.data_ptr<float>(), logits.data_ptr<float>() + logits.numel()};
+}
+
+}  // namespace
+
+TensorMap export_weights(const torch::nn::Module& module) {
+  TensorMap tensors;
+  for (const auto& item : module.named_parameters()) {
+    const at::Tensor value = item.value().detach().to(at::kCPU).contiguous();
+    tensors[item.key()] = {value.sizes().vec(),
+                           {value.data_ptr<float>(), value.data_ptr<float>() + value.numel()}};
+  }
+  return tensors;
+}
+
+void import_weights(torch::nn::Module& module, const TensorMap& tensors, const std::string& place,
+                    bool may_grow) {
+  const at::NoGradGuard no_grad;
+  auto parameters = module.named_parameters();
+  for (auto& item : parameters) {
+    const auto found = tensors.find(item.key());
+    if (found == tensors.end())
+      throw DataError(in_file(place), "tensor \"" + item.key() + "\" is missing");
+    const std::vector<std::int64_t> wanted = item.value().sizes().vec();
+    const NamedTensor& stored = found->second;
+    if (stored.shape != wanted && !(may_grow && only_more_rows(stored.shape, wanted)))
+      throw DataError(in_file(place), "tensor \"" + item.key() + "\" has shape " +
+                                          shape_text(stored.shape) + ", the config asks for " +
+                                          shape_text(wanted));
+    at::Tensor target = item.value();
+    if (!stored.shape.empty()) target = target.slice(0, 0, stored.shape[0]);
+    target.copy_(at::from_blob(const_cast<float*>(stored.values.data()), stored.shape, at::kFloat));
+  }
+  for (const auto& [name, tensor] : tensors)
+    if (!parameters.contains(name))
+      throw DataError(in_file(place), "tensor \"" + name + "\" is not part of this model");
+}
+
+std::vector<SelfTestCase> make_self_test(Transformer& model,
+                                         const std::vector<ModelInput>& inputs) {
+  const bool was_training = model.is_training();
+  const at::ScalarType precision = model.precision();
+  model.eval();
+  model.set_precision(at::kFloat);  // what every reader of the model can repeat
+  std::vector<SelfTestCase> cases;
+  for (const ModelInput& input : inputs) cases.push_back({input, last_logits(model, input)});
+  model.set_precision(precision);
+  model.train(was_training);
+  return cases;
+}
+
+std::shared_ptr<Transformer> load_transformer(const StoredModel& stored, const std::string& place) {
+  auto model = std::make_shared<Transformer>(stored.description);
+  import_weights(*model, stored.tensors, place + "/model.safetensors");
+  model->eval();
+  for (const SelfTestCase& one : stored.self_test) {
+    check_input(one.input, stored.description, place + "/selftest.json");
+    check_self_test(one, last_logits(*model, one.input), place + "/selftest.json");
+  }
+  return model;
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,78 @@
+// The settings of a training run; a config file has the sections "tokenizer", "model" and "train".
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/settings.h"
+#include "model/config.h"
+#include "tokenizer/tokenizer.h"
+
+namespace mocaplm {
+
+struct TrainConfig {
+  std::int64_t steps = 2000;
+  std::int64_t batch_size = 16;
+  std::int64_t micro_batch = 8;
+  double learning_rate = 6e-4;
+  double final_learning_rate = 0.05;
+  std::int64_t warmup = 100;
+  double weight_decay = 0.1;
+  double beta2 = 0.95;
+  double grad_clip = 1.0;
+  bool mirror = false;
+  std::vector<std::string> conditions;
+  double condition_dropout = 0.1;
+  std::int64_t validate_every = 250;
+  std::int64_t validation_windows = 64;
+  std::int64_t save_every = 500;
+  double max_minutes = 0;
+  std::int64_t seed = 1;
+  std::string precision = "auto";
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer("steps", steps, 1, 100000000, "optimiser steps");
+    v.integer("batch_size", batch_size, 1, 65536, "windows per optimiser step");
+    v.integer("micro_batch", micro_batch, 1, 65536,
+              "windows computed at once; the rest of the batch is accumulated");
+    v.number("learning_rate", learning_rate, 0, 1, "peak learning rate of AdamW");
+    v.number("final_learning_rate", final_learning_rate, 0, 1,
+             "share of the peak left at the end of the cosine decay");
+    v.integer("warmup", warmup, 0, 1000000, "steps of linear warm-up");
+    v.number("weight_decay", weight_decay, 0, 10,
+             "decay of the matrices (not of embeddings, biases, norms)");
+    v.number("beta2", beta2, 0.5, 0.99999, "AdamW's second decay rate");
+    v.number("grad_clip", grad_clip, 0, 1000, "largest norm of the gradient, 0 for none");
+    v.boolean("mirror", mirror, "also train on the left-right mirrored motion (appendix A.5)");
+    v.texts(
+        "conditions", conditions,
+        "labels whose tokens head each window; with --from all labels of the data unless 'none'");
+    v.number("condition_dropout", condition_dropout, 0, 1,
+             "share of condition tokens hidden, so that each may be left open");
+    v.integer("validate_every", validate_every, 1, 100000000, "steps between validations");
+    v.integer("validation_windows", validation_windows, 1, 100000,
+              "windows of the validation split looked at");
+    v.integer("save_every", save_every, 1, 100000000, "steps between checkpoints");
+    v.number("max_minutes", max_minutes, 0, 100000,
+             "stop after this time, the learning rate decaying to fit; 0 for no limit (only then a "
+             "run repeats exactly)");
+    v.integer("seed", seed, 0, 2147483647, "seed of weights, windows and dropout");
+    v.choice("precision", precision, {"auto", "bf16", "f32"},
+             "type of the matrix products; auto: bf16 where the machine has it");
+  }
+};
+
+struct RunConfig {
+  TokenizerConfig tokenizer;
+  ModelConfig model;
+  TrainConfig train;
+};
+
+// Strict: unknown sections and keys are errors. Throws DataError.
+RunConfig load_run_config(const std::filesystem::path& path);
+RunConfig run_config_from_json(const Json& json, const std::string& place);
+Json to_json(const RunConfig& config);
+
+}  // namespace mocaplm

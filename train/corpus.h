@@ -1,0 +1,65 @@
+// A dataset as token streams, and the windows that training sees of it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/random.h"
+#include "model/input.h"
+#include "motion/dataset.h"
+#include "tokenizer/tokenizer.h"
+
+namespace mocaplm {
+
+struct CorpusClip {
+  std::string name;
+  std::vector<std::int32_t> ids;     // whole frames
+  std::vector<std::int32_t> labels;  // condition tokens in the model's order; kMask where not known
+  Labels values;                     // the labels themselves
+};
+
+struct Corpus {
+  std::vector<CorpusClip> clips;
+  std::int64_t frames = 0;
+  EncodeReport report;
+};
+
+// Encodes the clips of one split on all cores. With `mirror` each clip is there a second time,
+// mirrored. Throws DataError when the split is empty or a clip is shorter than 3 frames at the
+// tokenizer's rate (those are counted and left out) and nothing else is left.
+Corpus encode_split(const Dataset& dataset, const std::string& split, const Tokenizer& tokenizer,
+                    const std::vector<std::string>& conditions, bool mirror, int threads);
+
+struct Window {
+  ModelInput input;
+  std::vector<std::int32_t> target;  // the next id at each position, -1 where the loss ignores it
+  std::size_t clip = 0, first_frame = 0, frames = 0;
+};
+
+// One window of `model.config.block_size` positions (padded when the clip is shorter), starting at
+// a frame. `reserve` positions are left free at the end (classification tokens).
+Window make_window(const Corpus& corpus, const ModelDescription& model, std::size_t clip,
+                   std::size_t first_frame, double condition_dropout, Random& random,
+                   std::int64_t reserve = 0);
+
+// Whole frames that fit a window beside its prefix.
+std::size_t window_frames(const ModelDescription& model, std::int64_t reserve = 0);
+
+// Draws windows so that a clip is as likely as it is long, then a start uniformly.
+class WindowSampler {
+ public:
+  WindowSampler(const Corpus& corpus, const ModelDescription& model);
+  Window draw(Random& random, double condition_dropout) const;
+
+ private:
+  const Corpus& corpus_;
+  const ModelDescription& model_;
+  std::vector<double> cumulative_;  // frames up to and including each clip
+};
+
+// Windows spread evenly over the corpus, always the same: for validation.
+std::vector<Window> even_windows(const Corpus& corpus, const ModelDescription& model,
+                                 std::int64_t count);
+
+}  // namespace mocaplm

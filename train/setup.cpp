@@ -1,0 +1,118 @@
+#include "train/setup.h"
+
+#include <set>
+
+#include "common/error.h"
+#include "common/text.h"
+#include "model/transformer/setup.h"
+
+namespace fs = std::filesystem;
+
+namespace mocaplm {
+
+namespace {
+
+Tokenizer fit_tokenizer(const TokenizerConfig& config, const Dataset& dataset) {
+  std::vector<Clip> clips;
+  // Only translation ranges are fitted; the rate and the yaw are needed for them, so whole clips
+  // are read.
+  for (const DatasetEntry& entry : dataset.split("train"))
+    clips.push_back(load_clip(dataset, entry));
+  if (clips.empty())
+    throw DataError(in_file(dataset.directory.string()), "the split \"train\" is empty");
+  return Tokenizer::fit(config, clips);
+}
+
+// The labels that head each window: those asked for, or, when fine-tuning, all that the data has.
+std::vector<std::string> chosen_conditions(const TrainOptions& options, const Dataset& dataset) {
+  std::vector<std::string> chosen = options.config.train.conditions;
+  if (chosen == std::vector<std::string>{"none"}) return {};
+  const std::vector<std::string> there = dataset.label_names();
+  if (chosen.empty()) return options.from ? there : chosen;
+  const std::set<std::string> known(there.begin(), there.end());
+  for (const std::string& label : chosen)
+    if (known.count(label) == 0)
+      throw UsageError("no clip of the dataset has the label \"" + label + "\"" +
+                       did_you_mean(label, there) + " Its labels: " + join(there, ", "));
+  return chosen;
+}
+
+StreamShape stream_shape(const Tokenizer& tokenizer) {
+  return {tokenizer.vocabulary(), Tokenizer::kFirstBin, tokenizer.bins(), tokenizer.channels()};
+}
+
+Tokenizer stored_tokenizer(const StoredModel& stored, const std::string& place) {
+  Tokenizer tokenizer = Tokenizer::from_json(stored.tokenizer, place + "/tokenizer.json");
+  if (tokenizer.fingerprint() != stored.description.tokenizer_fingerprint)
+    throw DataError(
+        in_file(place),
+        "tokenizer.json is not the tokenizer that this model was trained with (fingerprint " +
+            tokenizer.fingerprint() + ", expected " + stored.description.tokenizer_fingerprint +
+            ")");
+  return tokenizer;
+}
+
+void add_condition_tokens(TrainSetup& setup, const TrainOptions& options) {
+  setup.description.conditions = chosen_conditions(options, setup.dataset);
+  for (const std::string& label : setup.description.conditions)
+    setup.tokenizer.add_label_values(label, setup.dataset.label_values(label));
+  setup.description.shape = stream_shape(setup.tokenizer);
+}
+
+void start_fresh(TrainSetup& setup, const TrainOptions& options) {
+  setup.tokenizer = fit_tokenizer(setup.config.tokenizer, setup.dataset);
+  setup.description.config = setup.config.model;
+  setup.description.tokenizer_fingerprint = setup.tokenizer.fingerprint();
+  add_condition_tokens(setup, options);
+  setup.model = std::make_shared<Transformer>(setup.description);
+}
+
+// The stored model's own settings win over the config file's: its weights fit no others.
+void start_from(TrainSetup& setup, const TrainOptions& options) {
+  const std::string place = resolve_model(*options.from).string();
+  const StoredModel stored = load_model(*options.from);
+  load_transformer(stored,
+                   place);  // reruns the self-test before anything is built on these weights
+  setup.tokenizer = stored_tokenizer(stored, place);
+  setup.description = stored.description;
+  setup.description.classes.clear();
+  const double dropout = setup.config.model.dropout;
+  setup.config.tokenizer = setup.tokenizer.config();
+  setup.config.model = stored.description.config;
+  setup.config.model.dropout = setup.description.config.dropout = dropout;
+  add_condition_tokens(setup, options);
+  setup.model = std::make_shared<Transformer>(setup.description);
+  import_weights(*setup.model, stored.tensors, place + "/model.safetensors", /*may_grow=*/true);
+}
+
+void start_again(TrainSetup& setup, const TrainOptions& options) {
+  const std::string place = (options.out / "last").string();
+  const StoredModel stored = load_model(place);
+  setup.tokenizer = stored_tokenizer(stored, place);
+  setup.description = stored.description;
+  setup.model = load_transformer(stored, place);
+}
+
+}  // namespace
+
+TrainSetup set_up_training(const TrainOptions& options) {
+  TrainSetup setup;
+  setup.config = options.config;
+  setup.dataset = load_dataset(options.data);
+  at::manual_seed(static_cast<std::uint64_t>(setup.config.train.seed));
+  if (options.resume)
+    start_again(setup, options);
+  else if (options.from)
+    start_from(setup, options);
+  else
+    start_fresh(setup, options);
+  setup.description.procedural = setup.dataset.procedural;
+  const auto& conditions = setup.description.conditions;
+  setup.train = encode_split(setup.dataset, "train", setup.tokenizer, conditions,
+                             setup.config.train.mirror, options.threads);
+  setup.validation = encode_split(setup.dataset, "validation", setup.tokenizer, conditions, false,
+                                  options.threads);
+  return setup;
+}
+
+}  // namespace mocaplm

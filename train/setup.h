@@ -1,0 +1,20 @@
+// What a run starts from: data, tokenizer, model; fresh, fine-tuned or resumed.
+#pragma once
+
+#include "train/trainer.h"
+
+namespace mocaplm {
+
+struct TrainSetup {
+  RunConfig config;
+  Dataset dataset;
+  Tokenizer tokenizer;
+  ModelDescription description;
+  std::shared_ptr<Transformer> model;
+  Corpus train, validation;
+};
+
+// Throws UsageError or DataError when the pieces do not fit together.
+TrainSetup set_up_training(const TrainOptions& options);
+
+}  // namespace mocaplm

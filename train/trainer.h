@@ -1,0 +1,41 @@
+// The training loop: batches made ahead, accumulation, validation, checkpoints, resume.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "model/transformer/weights.h"
+#include "train/corpus.h"
+#include "train/optimizer.h"
+
+namespace mocaplm {
+
+struct TrainOptions {
+  RunConfig config;
+  std::filesystem::path data, out;
+  std::optional<std::filesystem::path> from;  // fine-tune this model
+  bool resume = false;
+  std::string device = "auto";
+  int threads = 0;
+};
+
+struct TrainResult {
+  std::filesystem::path model;  // the best model's directory
+  std::int64_t steps = 0;
+  double best_bits_per_frame = 0;  // validation
+  double tokens_per_second = 0;
+  double seconds = 0;
+  std::int64_t parameters = 0;
+};
+
+// Trains and writes OUT/: settings.json, log.jsonl, last/ (resumable), best/ (lowest validation
+// loss). Throws UsageError / DataError before any work when something does not fit together, and
+// DataError when the loss stops being finite (last/ stays as it was).
+TrainResult train(const TrainOptions& options);
+
+// Thesis: mean cross-entropy in nats of a token times tokens of a frame, in bits.
+double bits_per_frame(double nats_per_token, const StreamShape& shape);
+
+}  // namespace mocaplm
