@@ -1,0 +1,77 @@
+// Biovision hierarchy (.bvh): a tree of joints in text, then one line of channel values a frame.
+//
+//   HIERARCHY                                      MOTION
+//   ROOT hip {                                     Frames: 2
+//     OFFSET 0 0 0                                 Frame Time: 0.0333333
+//     CHANNELS 6 Xposition ... Zrotation ...       0 90 0 12.5 0 -3 ...
+//     JOINT chest { ... End Site { OFFSET 0 8 0 } }
+//   }
+//
+// A joint's rotation is the product of its rotation channels in the order in which they are listed,
+// column vectors, degrees: R = R_first R_second R_third. Position channels replace the OFFSET, each
+// its own component (Meredith and Maddock, "Motion Capture File Formats Explained", 2001).
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "motion/clip.h"
+
+namespace mocaplm {
+
+// 0..2 are positions along x, y, z in the file's unit; 3..5 rotations about x, y, z in degrees.
+enum class BvhChannel { x_position, y_position, z_position, x_rotation, y_rotation, z_rotation };
+
+struct BvhJoint {
+  std::string name;
+  int parent = -1;  // index of a joint before this one; -1 for the root
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  std::vector<BvhChannel> channels;        // at most 6, each kind once
+  int first_channel = 0;                   // its column in Bvh::values
+  std::vector<Eigen::Vector3d> end_sites;  // offsets of the bones that end here
+};
+
+struct Bvh {
+  std::vector<BvhJoint> joints;
+  double frame_time = 0;  // seconds, as written
+  double fps = 0;         // 1 / frame_time, whole where that is what the written digits mean
+  // (frames, channels): every channel of every joint, in the order of the hierarchy.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;
+
+  Eigen::Index frames() const { return values.rows(); }
+  int channels() const { return static_cast<int>(values.cols()); }
+  int joint(const std::string& name) const;  // index, or -1
+};
+
+// Reads a file of at most 256 MiB and 1,000,000 frames. Throws DataError naming line, and in the
+// motion part frame, joint and channel: bad syntax, doubled names, a frame with too few or too many
+// values, more or fewer frames than announced, numbers that are not finite.
+Bvh read_bvh(const std::filesystem::path& path);
+// The same for text in memory; `name` stands for the file in messages.
+Bvh parse_bvh(std::string_view text, const std::string& name);
+
+// World rotation and position of every joint.
+struct BvhPose {
+  std::vector<Eigen::Matrix3d> rotations;
+  std::vector<Eigen::Vector3d> positions;  // in the file's unit
+};
+
+// Forward kinematics of one frame; the pose's storage is reused.
+void pose_bvh(const Bvh& bvh, Eigen::Index frame, BvhPose& pose);
+// The same for `channels` values of one's own.
+void pose_bvh_values(const Bvh& bvh, const double* values, BvhPose& pose);
+// The zero pose: no rotation, joints at their OFFSETs.
+BvhPose rest_bvh(const Bvh& bvh);
+
+// A clip as BVH text: SMPL's 24 joints by name with their rest offsets, in CENTIMETRES (import into
+// Blender with scale 0.01), six channels for the pelvis and ZXY rotations for all joints. Reading
+// it back with read_bvh_clip gives the same rotations to 1e-7 rad and the same translation to 1e-8
+// m.
+std::string bvh_text(const Clip& clip);
+// Writes it; throws DataError when the clip is not sound (check_clip) or the disk refuses.
+void write_bvh(const std::filesystem::path& path, const Clip& clip);
+
+}  // namespace mocaplm

@@ -1,0 +1,53 @@
+// From any skeleton of a .bvh file to SMPL's: rotations relative to the T-pose, limbs turned into
+// the source's bone directions.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "motion/clip.h"
+#include "motion/formats/bvh.h"
+#include "motion/formats/up_axis.h"
+
+namespace mocaplm {
+
+struct BvhOptions {
+  std::optional<double> fps;  // overrides the file's frame time; (0, 10000]
+  std::string map_file;       // a JSON map (docs/bvh-maps.md); "" = known by its joint names
+  std::optional<double>
+      unit;  // metres per unit of the file; default: the map's, else from the figure's size
+  UpAxis up = UpAxis::automatic;
+};
+
+// The angle between a bone of the source and the same bone of the SMPL figure after conversion,
+// degrees.
+struct LimbError {
+  std::string limb;  // "left_upper_arm", ...
+  double mean = 0, max = 0;
+  Eigen::Index worst_frame = 0;
+};
+
+struct RetargetReport {
+  std::string scheme;            // which naming scheme or map file
+  double unit = 0;               // metres per unit of the file
+  double height = 0;             // metres from the ankles to the head along the bones
+  std::vector<LimbError> limbs;  // upper and lower arms and legs that both figures have
+  double mean_degrees = 0;       // over those limbs and all frames
+  double max_degrees = 0;
+  std::vector<std::string> unmatched;  // SMPL joints without a source: they follow or interpolate
+};
+
+// Reads a .bvh file as a clip of SMPL's skeleton; the clip's name is the file's stem. Every frame
+// is kept, at the file's rate. Rotation vectors continue in time where components of at most pi
+// allow it. Throws DataError (see read_bvh, detect_map, load_map) and UsageError for options out of
+// range.
+Clip read_bvh_clip(const std::filesystem::path& path, const BvhOptions& options = {},
+                   RetargetReport* report = nullptr);
+
+// The same for a file that was already read; `file` stands for it in messages.
+Clip retarget_bvh(const Bvh& bvh, const std::string& file, const BvhOptions& options = {},
+                  RetargetReport* report = nullptr);
+
+}  // namespace mocaplm
