@@ -5,7 +5,7 @@
 
 namespace mocaplm::assets {
 
-extern const std::string_view page_html, page_css, figure_js, stage_js, page_js;
+extern const std::string_view page_html, page_css, body_js, figure_js, stage_js, page_js;
 // Debian's three.min.js; empty when it was not there at configure time.
 extern const std::string_view three_js;
 

@@ -26,7 +26,7 @@ const std::array<SurfacePoint, kFigurePoints - kJoints>& surface_points() {
   return points;
 }
 
-// Heels, balls and toe tips with the radius of the figure's foot there (the same as in figure.js):
+// Heels, balls and toe tips with the radius of the figure's foot there (the same as in body.js):
 // the soles of the rest pose are level within 2 mm.
 struct Sole {
   int point;

@@ -10,7 +10,7 @@
 namespace mocaplm {
 
 // SMPL's 24 joints, then: crown, face, left heel, right heel, left toe tip, right toe tip. These
-// turn with the head, ankles and feet and give the figure a face and soles (assets/figure.js draws
+// turn with the head, ankles and feet and give the figure a face and soles (assets/body.js draws
 // them).
 constexpr int kFigurePoints = kJoints + 6;
 

@@ -85,8 +85,8 @@ std::string render_page(const Page& page) {
        {"style", std::string(assets::page_css)},
        {"three", std::string(assets::three_js)},
        {"data", script_json({{"motions", motions}})},
-       {"script", std::string(assets::figure_js) + std::string(assets::stage_js) +
-                      std::string(assets::page_js)}});
+       {"script", std::string(assets::body_js) + std::string(assets::figure_js) +
+                      std::string(assets::stage_js) + std::string(assets::page_js)}});
 }
 
 void write_page(const std::filesystem::path& path, const Page& page) {

@@ -94,9 +94,9 @@ function fillIn() {
   $('scrub').max = lastFrame;
   motions.forEach((motion, i) => {
     $('captions').children[i].style.setProperty('--tint', COLOURS[i % COLOURS.length]);
-    if (motions.length > 1) $('follow').add(new Option(motion.title, i));
+    if (motions.length > 1) $('follow').add(new Option('Follow ' + motion.title, i));
   });
-  if (motions.length === 1) $('follow').options[1].text = 'the dancer';
+  if (motions.length === 1) $('follow').options[1].text = 'Follow the dancer';
 }
 
 function listen() {

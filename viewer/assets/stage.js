@@ -35,7 +35,7 @@ class Stage {
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.pixels = Math.min(window.devicePixelRatio || 1, 2);
     this.scene = new THREE.Scene();
-    this.camera = new THREE.PerspectiveCamera(30, 1, 0.1, 400);
+    this.camera = new THREE.PerspectiveCamera(24, 1, 0.1, 400);
     this.following = 'none';
 
     const portrait = canvas.clientWidth < canvas.clientHeight;
@@ -67,8 +67,8 @@ class Stage {
   buildLight() {
     const size = this.box.getSize(new THREE.Vector3());
     const reach = Math.min(Math.max(size.x, size.z) / 2 + 1.5, 30);
-    this.scene.add(this.sky = new THREE.HemisphereLight(0xffffff, 0x8f8b96, .62));
-    const key = this.key = new THREE.DirectionalLight(0xfff4e6, .72);
+    this.scene.add(this.sky = new THREE.HemisphereLight(0xffffff, 0x9a96a2, .62));
+    const key = this.key = new THREE.DirectionalLight(0xfff4e6, .82);
     key.castShadow = true;
     key.shadow.mapSize.set(2048, 2048);
     key.shadow.radius = 2.5;
@@ -146,8 +146,10 @@ class Stage {
     this.floor.uniforms.floor.value.set(cssValue('--floor'));
     this.floor.uniforms.grid.value.set(cssValue('--grid'));
     this.shade.opacity = Number(cssValue('--shadow'));
-    for (const {materials} of this.figures) {
-      materials.given.color.set(cssValue('--given')).convertSRGBToLinear();
+    for (const {materials, beads} of this.figures) {
+      for (const {color} of [materials.given, beads.given]) {
+        color.set(cssValue('--given')).convertSRGBToLinear();
+      }
     }
   }
 
@@ -183,7 +185,7 @@ class Stage {
     }
     box.expandByPoint(box.getCenter(new THREE.Vector3()).setY(1.8));
     box.expandByPoint(box.getCenter(new THREE.Vector3()).setY(-.12));
-    this.orbit.look(box, this.camera);
+    this.orbit.look(box, this.camera, this.figures.length > 1 ? -.12 : -.3, .17);
     this.draw();
   }
 
@@ -297,10 +299,10 @@ class Orbit {
     this.changed();
   }
 
-  // The nearest place from which the whole box is seen.
-  look(box, camera) {
-    this.turn = -.25;
-    this.tilt = .2;
+  // The nearest place from which the whole box is seen, looking from `turn` and `tilt` (radians).
+  look(box, camera, turn, tilt) {
+    this.turn = turn;
+    this.tilt = tilt;
     box.getCenter(this.target);
     const up = Math.tan(camera.fov * Math.PI / 360), across = up * camera.aspect;
     const toEye = this.direction(), right = new THREE.Vector3(Math.cos(this.turn), 0, -Math.sin(this.turn));
