@@ -37,6 +37,16 @@ struct TokenStream {
   std::vector<std::int32_t> channel;  // 0 .. channels()-1, and channels() for the separator
 
   std::size_t size() const { return ids.size(); }
+  void reserve(std::size_t size) {
+    ids.reserve(size);
+    frame.reserve(size);
+    channel.reserve(size);
+  }
+  void push(std::int32_t id, std::int32_t at_frame, std::int32_t at_channel) {
+    ids.push_back(id);
+    frame.push_back(at_frame);
+    channel.push_back(at_channel);
+  }
 };
 
 struct EncodeReport {
@@ -78,10 +88,12 @@ class Tokenizer {
   bool knows(const std::string& label, const std::string& value) const;
 
   // (frames, channels) values at the tokenizer's rate: radians (continuous in time, components
-  // inside
-  // [-pi, pi]) and metres. The clip is resampled when its rate differs.
+  // inside [-pi, pi]) and metres. The clip is resampled when its rate differs.
   Eigen::MatrixXd channel_values(const Clip& clip) const;
   TokenStream encode(const Clip& clip, EncodeReport* report = nullptr) const;
+  // Throws DataError naming `name`, frame and channel unless these are whole frames of bins, each
+  // with its separator.
+  void check_frames(const std::vector<std::int32_t>& ids, const std::string& name) const;
   // Bins to motion at the tokenizer's rate. `start` is the root's position before the first step
   // (metres). Joints that the tokenizer leaves out are zero. Throws DataError naming frame and
   // channel when the stream is not whole frames of this tokenizer.
@@ -109,6 +121,8 @@ class Tokenizer {
   std::string describe(std::int32_t id) const;
 
  private:
+  // Three bin centres: a vector that this tokenizer decoded. It is kept, so that decoded motion is
+  // encoded back to the very same tokens even where the choice between equal rotations is close.
   bool is_decoded(const Eigen::Vector3d& v, int first_channel) const;
   void read_ranges(JsonObject& object);
   void read_labels(JsonObject& object);
