@@ -1,0 +1,72 @@
+// The stack machine behind Pickle.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "motion/formats/pickle.h"
+
+namespace mocaplm {
+
+constexpr std::size_t kMaxPickleValues = 100000, kMaxPickleMemo = 10000, kMaxPickleStack = 10000;
+
+class PickleMachine {
+ public:
+  PickleMachine(std::string_view bytes, const std::string& file, Pickle& pickle)
+      : bytes_(bytes), file_(file), pickle_(pickle) {}
+  // Runs to STOP; returns the object left on the stack.
+  PickleValue* run();
+
+ private:
+  // Returns false when the opcode is not one of the group's.
+  bool run_atom(unsigned char opcode);       // numbers, text, bytes
+  bool run_container(unsigned char opcode);  // tuples, lists, dictionaries
+  bool run_memo(unsigned char opcode);
+  bool run_object(unsigned char opcode);  // globals, calls, state
+
+  // Input.
+  [[noreturn]] void fail(const std::string& message) const;
+  std::uint64_t little_endian(std::size_t count);
+  std::string_view take(std::uint64_t count);
+  std::string_view counted(std::size_t count_bytes);
+  std::string_view line();
+  double big_endian_double();
+
+  // Stack and memo.
+  PickleValue* make(PickleKind kind);
+  void push(PickleValue* value);
+  PickleValue* pop();
+  PickleValue* top() const;
+  std::vector<PickleValue*> pop_to_mark();
+  void remember(std::uint64_t index);
+  void recall(std::uint64_t index);
+  void push_number(PickleKind kind, double number);
+  void push_text(PickleKind kind, std::string_view text);
+
+  // numpy.
+  void push_global(std::string_view module, std::string_view name);
+  void call(const PickleValue& function, const PickleValue& arguments);
+  void call_dtype(const PickleValue& arguments);
+  void call_array(const PickleValue& data, const PickleValue& type, const PickleValue* shape,
+                  const PickleValue* order);
+  void call_encode(const PickleValue& arguments);
+  void build(PickleValue& object, const PickleValue& state);
+  void build_type(PickleValue& object, const PickleValue& state);
+  void build_array(PickleValue& object, const PickleValue& state);
+  void set_shape(NumpyArray& array, const PickleValue& shape);
+  void set_data(PickleValue& object, const PickleValue& type, const PickleValue& data);
+  Place here() const { return at_byte(file_, opcode_at_); }
+
+  std::string_view bytes_;
+  const std::string& file_;
+  Pickle& pickle_;
+  std::size_t at_ = 0, opcode_at_ = 0, decoded_bytes_ = 0;
+  std::vector<PickleValue*> stack_;
+  std::vector<std::size_t> marks_;  // stack heights
+  std::map<std::uint64_t, PickleValue*> memo_;
+};
+
+}  // namespace mocaplm
