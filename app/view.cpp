@@ -1,0 +1,64 @@
+// mocaplm view: one self-contained page that plays motions side by side.
+#include <cstdio>
+#include <memory>
+
+#include "app/commands.h"
+#include "app/options.h"
+#include "common/text.h"
+#include "viewer/open.h"
+
+namespace mocaplm {
+
+namespace {
+
+struct ViewCommand {
+  ViewOptions options;
+  std::string out;
+  double fps = 0;
+};
+
+void run_view(ViewCommand& command) {
+  check_page_path(command.out);
+  if (command.fps > 0) command.options.read.fps = command.fps;
+  std::vector<std::string> remarks;
+  const Page page = open_page(command.options, &remarks);
+  write_page(command.out, page);
+  for (const std::string& remark : remarks) std::printf("%s\n", remark.c_str());
+  std::printf(
+      "%s: %zu motion%s, %s MB; open it in a browser\n", command.out.c_str(), page.motions.size(),
+      page.motions.size() == 1 ? "" : "s",
+      format_fixed(static_cast<double>(std::filesystem::file_size(command.out)) / 1e6, 1).c_str());
+}
+
+}  // namespace
+
+void add_view(CLI::App& app) {
+  CLI::App* view =
+      app.add_subcommand("view", "write a page that plays clips side by side in a browser");
+  auto command = std::make_shared<ViewCommand>();
+  ViewOptions& options = command->options;
+  view->add_option("CLIP", options.inputs, "motion files (.npz, .pkl, .bvh) or dataset folders")
+      ->required();
+  view->add_option("--out", command->out, "the page, a .html file")->required();
+  view->add_option("--clip", options.clips, "show these clips of the dataset folders")
+      ->delimiter(',');
+  view->add_option("--title", options.title, "the page's title (default: the clips' names)");
+  view->add_option("--note", options.note, "a few words beside the title");
+  view->add_option("--joints", options.joints,
+                   "joints or groups in a colour of their own, e.g. right_arm")
+      ->delimiter(',');
+  view->add_option("--trails", options.trails,
+                   "joints that draw their path (default: wrists, off at first)")
+      ->delimiter(',');
+  view->add_option("--fps", command->fps, "frame rate of the files, where their own is wrong")
+      ->check(CLI::Range(0.001, 10000.0))
+      ->check(BindOptions::finite());
+  view->add_option("--up", options.read.up, "up axis of the files (default: by their format)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, UpAxis>{
+          {"auto", UpAxis::automatic}, {"y", UpAxis::y}, {"z", UpAxis::z}}));
+  view->add_option("--bvh-map", options.read.bvh_map,
+                   "JSON map for a BVH skeleton with unknown joint names");
+  view->callback([command] { run_view(*command); });
+}
+
+}  // namespace mocaplm
