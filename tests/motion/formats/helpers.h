@@ -1,0 +1,107 @@
+// Files for the format tests: a scratch folder, expected.json, and "reads soundly or refuses".
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+#include "common/files.h"
+#include "common/json.h"
+#include "common/random.h"
+#include "motion/clip.h"
+
+namespace mocaplm {
+
+// A folder that vanishes with the test.
+class Scratch {
+ public:
+  Scratch() {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() /
+              ("mocaplm-" + std::to_string(::getpid()) + "-" + test->name());
+    std::filesystem::create_directories(folder_);
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
+  // Plain and quick: no care for what was there.
+  std::filesystem::path put(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+    return folder_ / name;
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+inline std::filesystem::path shared_formats() {
+  return std::filesystem::path(MOCAPLM_SOURCE_DIR) / ".." / "shared" / "data" / "formats";
+}
+
+// The entries of expected.json of one format ("amass-npz", "aist-pkl"), as (file name,
+// expectation).
+inline std::vector<std::pair<std::string, Json>> expected_files(const std::string& format) {
+  std::vector<std::pair<std::string, Json>> found;
+  const auto path = shared_formats() / "expected.json";
+  if (!std::filesystem::exists(path)) return found;
+  const Json json = load_json(path);
+  for (const auto& [name, expected] : json.at("files").items())
+    if (expected.at("format") == format) found.emplace_back(name, expected);
+  return found;
+}
+
+// First and last frame, sums and rate within 1e-6.
+inline void expect_clip(const Clip& clip, const Json& expected, const std::string& name) {
+  SCOPED_TRACE(name);
+  ASSERT_EQ(clip.frames(), expected.at("frames").get<int>());
+  EXPECT_EQ(clip.fps, expected.at("fps").get<double>());
+  EXPECT_EQ(clip.name, std::filesystem::path(name).stem());
+  const auto last = clip.frames() - 1;
+  for (int c = 0; c < 72; ++c) {
+    ASSERT_NEAR(clip.poses(0, c), expected.at("poses_first").at(c).get<double>(), 1e-6) << c;
+    ASSERT_NEAR(clip.poses(last, c), expected.at("poses_last").at(c).get<double>(), 1e-6) << c;
+  }
+  for (int c = 0; c < 3; ++c) {
+    ASSERT_NEAR(clip.trans(0, c), expected.at("trans_m_first").at(c).get<double>(), 1e-6);
+    ASSERT_NEAR(clip.trans(last, c), expected.at("trans_m_last").at(c).get<double>(), 1e-6);
+  }
+  EXPECT_NEAR(clip.poses.sum(), expected.at("poses_sum").get<double>(), 1e-6);
+  EXPECT_NEAR(clip.trans.sum(), expected.at("trans_m_sum").get<double>(), 1e-6);
+}
+
+// Calls `read`; it must either succeed or throw DataError whose text holds `file`. Returns success.
+template <class Read>
+bool reads_or_refuses(const Read& read, const std::string& file) {
+  try {
+    read();
+    return true;
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find(file), std::string::npos) << error.what();
+    return false;
+  }
+}
+
+// The message of the DataError that `read` throws; fails the test when there is none.
+template <class Read>
+std::string refusal(const Read& read) {
+  try {
+    read();
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "expected a DataError";
+  return "";
+}
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace mocaplm
