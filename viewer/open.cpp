@@ -30,8 +30,7 @@ class Opener {
       if (fs::is_directory(input)) {
         add_dataset(input);
       } else {
-        add(read_clip(input, options_.read), fs::path(input).stem().string(),
-            fs::path(input).filename().string());
+        add(read_clip(input, options_.read), fs::path(input).stem().string(), "");
       }
     }
     for (const std::string& name : options_.clips)

@@ -185,6 +185,17 @@ TEST(Figure, StandsOnTheGroundAndIsCentred) {
   EXPECT_NEAR(ball, 0.034, 0.004);  // the ball of the foot is its own radius above the ground
 }
 
+TEST(Figure, AFewFaultyFramesDoNotLiftTheRest) {
+  Clip clip = random_clip(3, 100, 30);
+  clip.poses.setZero();
+  clip.trans.col(1).setZero();
+  const double ground = make_figure(clip).shift.y();
+  clip.trans(7, 1) = -0.02;  // a small step down is the ground
+  EXPECT_NEAR(make_figure(clip).shift.y(), ground + 0.02, 1e-9);
+  clip.trans.col(1).head(4).setConstant(-0.5);
+  EXPECT_NEAR(make_figure(clip).shift.y(), ground, 1e-9);
+}
+
 TEST(Figure, SurfacePointsTurnWithTheirJoints) {
   Clip clip = random_clip(4, 1, 30);
   clip.poses.setZero();

@@ -48,14 +48,14 @@ const LEFT_LIMBS = [
   [1, 4, 1, [[0, .088], [.2, .086], [.55, .068], [.9, .053], [1, .0515]]],
   [4, 7, 4, [[0, .053], [.12, .052], [.3, .056], [.55, .046], [.85, .032], [1, .034]]],
   [7, 26, 7, [[0, .0345], [1, .031]]],
-  [13, 16, 13, [[0, .068], [.5, .064], [1, .055]]],
+  [13, 16, 13, [[0, .048], [.5, .054], [1, .055]]],
   [16, 18, 16, [[0, .058], [.3, .05], [.6, .044], [1, .036]]],
   [18, 20, 18, [[0, .0375], [.2, .041], [.5, .035], [1, .025]]],
   [20, 22, 20, [[0, .026], [.6, .034], [1.1, .035], [1.6, .026], [1.9, .016]]],
 ];
-const LIMBS = LEFT_LIMBS
-  .concat(LEFT_LIMBS.map(([a, b, owner, shape]) => [a + 1, b + 1, owner + 1, shape]))
-  .concat([[12, 15, 12, [[0, .054], [1, .05]]]]);
+const LIMBS =
+    LEFT_LIMBS.concat(LEFT_LIMBS.map(([a, b, owner, shape]) => [a + 1, b + 1, owner + 1, shape]))
+        .concat([[12, 15, 12, [[0, .044], [.4, .048], [1, .05]]]]);
 
 // The trunk is a skin over rings: centre as [point, weight] pairs, half width, half depth, how far
 // the ring turns from the hips' axis (0) to the shoulders' (1), and the joint that carries it.
@@ -77,13 +77,23 @@ const TRUNK = [
 // A foot lies along a line between two points, its up is from heel to ankle: [share of the way,
 // height above the line, half width, half height] of its rings.
 const FOOT = [
-  [-.24, .006, .004, .004], [-.2, .005, .022, .022], [-.08, .003, .032, .033], [.15, .012, .035, .043],
-  [.4, .009, .037, .041], [.7, .002, .041, .034], [1, -.002, .043, .031], [1.1, -.005, .034, .024],
+  [-.24, .006, .004, .004],
+  [-.2, .005, .022, .022],
+  [-.08, .003, .032, .033],
+  [.15, .012, .035, .043],
+  [.4, .009, .037, .041],
+  [.7, .002, .041, .034],
+  [1, -.002, .043, .031],
+  [1.1, -.005, .034, .024],
   [1.16, -.006, .004, .004],
 ];
 const TOES = [
-  [-.25, -.004, .034, .025], [.1, -.004, .044, .0295], [.6, -.003, .042, .025], [1, -.002, .034, .02],
-  [1.2, -.004, .022, .014], [1.28, -.005, .003, .003],
+  [-.25, -.004, .034, .025],
+  [.1, -.004, .044, .0295],
+  [.6, -.003, .042, .025],
+  [1, -.002, .034, .02],
+  [1.2, -.004, .022, .014],
+  [1.28, -.005, .003, .003],
 ];
 
 const RING_POINTS = 24;
@@ -93,7 +103,8 @@ function curveWeights(count, at) {
   const k = Math.min(Math.floor(at), count - 2), t = at - k;
   const weights = [
     (-t + 2 * t * t - t * t * t) / 2, (2 - 5 * t * t + 3 * t * t * t) / 2,
-    (t + 4 * t * t - 3 * t * t * t) / 2, (t * t * t - t * t) / 2];
+    (t + 4 * t * t - 3 * t * t * t) / 2, (t * t * t - t * t) / 2
+  ];
   return weights.map((weight, i) => [Math.min(Math.max(k - 1 + i, 0), count - 1), weight]);
 }
 
@@ -103,7 +114,8 @@ function smoothTrunk() {
   for (let i = 0; i <= 3 * (TRUNK.length - 1); i++) {
     const mix = new Map(), sizes = [0, 0, 0];
     for (const [key, weight] of curveWeights(TRUNK.length, i / 3)) {
-      for (const [point, share] of TRUNK[key][0]) mix.set(point, (mix.get(point) || 0) + weight * share);
+      for (const [point, share] of TRUNK[key][0])
+        mix.set(point, (mix.get(point) || 0) + weight * share);
       for (let s = 0; s < 3; s++) sizes[s] += weight * TRUNK[key][s + 1];
     }
     rings.push([[...mix], ...sizes, TRUNK[Math.round(i / 3)][4]]);
@@ -149,8 +161,8 @@ function setRing(geometry, ring, centre, side, width, front, depth) {
     const angle = i / RING_POINTS * 2 * Math.PI;
     const a = width * Math.cos(angle), b = depth * Math.sin(angle);
     position.setXYZ(
-      ring * RING_POINTS + i, centre.x + a * side.x + b * front.x,
-      centre.y + a * side.y + b * front.y, centre.z + a * side.z + b * front.z);
+        ring * RING_POINTS + i, centre.x + a * side.x + b * front.x,
+        centre.y + a * side.y + b * front.y, centre.z + a * side.z + b * front.z);
   }
 }
 
@@ -163,14 +175,14 @@ function headGeometry() {
     const low = Math.max(-y, 0), front = Math.max(z, 0);
     const nose = .02 * Math.exp(-(x * x * 60 + (y + .18) ** 2 * 22)) * front;
     position.setXYZ(
-      i, .077 * x * (1 - .22 * low * low), .085 + .118 * y - .01 * low * front,
-      .014 + .098 * z * (1 - .22 * low) + .022 * low + nose);
+        i, .077 * x * (1 - .22 * low * low), .085 + .118 * y - .01 * low * front,
+        .014 + .098 * z * (1 - .22 * low) + .022 * low + nose);
   }
   geometry.computeVertexNormals();
   return geometry;
 }
 
 function material(colour) {
-  return new THREE.MeshStandardMaterial({
-    color: new THREE.Color(colour).convertSRGBToLinear(), roughness: .62, metalness: 0});
+  return new THREE.MeshStandardMaterial(
+      {color: new THREE.Color(colour).convertSRGBToLinear(), roughness: .62, metalness: 0});
 }

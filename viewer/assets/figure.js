@@ -132,8 +132,8 @@ class Figure {
         const then = seconds - i * 0.015;
         this.motion.sample(then, past);
         const radius = then < 0 ? 0 : .016 * (1 - i / beads);
-        matrix.makeScale(radius, radius, radius).setPosition(
-          past[3 * joint], past[3 * joint + 1], past[3 * joint + 2]);
+        matrix.makeScale(radius, radius, radius)
+            .setPosition(past[3 * joint], past[3 * joint + 1], past[3 * joint + 2]);
         mesh.setMatrixAt(i, matrix);
       }
       mesh.instanceMatrix.needsUpdate = true;

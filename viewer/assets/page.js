@@ -12,9 +12,9 @@ function showTime() {
   const frame = Math.round(seconds * rate);
   $('scrub').value = frame;
   $('scrub').setAttribute(
-    'aria-valuetext', `${seconds.toFixed(2)} of ${duration.toFixed(2)} seconds`);
+      'aria-valuetext', `${seconds.toFixed(2)} of ${duration.toFixed(2)} seconds`);
   $('clock').textContent =
-    `${seconds.toFixed(2)} of ${duration.toFixed(2)} s, frame ${frame} of ${lastFrame}`;
+      `${seconds.toFixed(2)} of ${duration.toFixed(2)} s, frame ${frame} of ${lastFrame}`;
 }
 
 function seek(to) {
@@ -29,7 +29,7 @@ function step(frames) {
 }
 
 function play(on) {
-  on = on && duration > 0;
+  on = Boolean(on) && duration > 0;
   if (on && seconds >= duration) seconds = 0;
   if (on && !playing) {
     before = performance.now();
@@ -73,10 +73,12 @@ function openStage() {
   try {
     stage = new Stage($('canvas'), $('names'), motions);
   } catch (error) {
+    console.error(error);
     $('canvas').hidden = true;
     $('message').hidden = false;
-    $('message').textContent = 'This browser shows no 3-D pictures: WebGL is missing or switched off. ' +
-      'Another browser, or its graphics settings, may help. The descriptions and tables below are complete.';
+    $('message').textContent =
+        'This browser shows no 3-D pictures: WebGL is missing or switched off. ' +
+        'Another browser, or its graphics settings, may help. The descriptions and tables below are complete.';
     return;
   }
   new ResizeObserver(() => {
@@ -131,7 +133,12 @@ const KEYS = {
 
 // Controls keep the keys that they use themselves.
 function onKey(event) {
-  const own = {BUTTON: ' ', SELECT: ' ArrowLeftArrowRightHomeEnd', SUMMARY: ' '}[event.target.tagName] || '';
+  const own = {
+    BUTTON: ' ',
+    SELECT: ' ArrowLeftArrowRightHomeEnd',
+    SUMMARY: ' '
+  }[event.target.tagName] ||
+      '';
   const box = event.target.type === 'checkbox' ? ' ' : '';
   if (event.ctrlKey || event.altKey || event.metaKey || (own + box).includes(event.key)) return;
   if (!KEYS[event.key]) return;
@@ -154,7 +161,7 @@ if (motions.some((m) => m.trails.length)) {
   if (stage) stage.showTrails(true);
 }
 seek(asked ? asked[1] : 0);
-play(!asked && !matchMedia('(prefers-reduced-motion: reduce)').matches);
+play(stage && !asked && !matchMedia('(prefers-reduced-motion: reduce)').matches);
 
 // For tests and tinkering: positions(i) is (24, 3) metres as shown, before the side-by-side places.
 window.mocaplm = {

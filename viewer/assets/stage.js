@@ -6,6 +6,16 @@ function cssValue(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
+// The names without the words that all begin with, the middle of long ones left out.
+function shortNames(names) {
+  if (names.length < 2) return names;
+  let same = 0;
+  while (names.every((n) => n[same] && n[same] === names[0][same])) same++;
+  const word = names[0].slice(0, same).search(/[^_\/ ]*$/);
+  const rest = names.map((name) => name.slice(word) || name);
+  return rest.map((n) => n.length > 24 ? n.slice(0, 12) + '\u2026' + n.slice(-10) : n);
+}
+
 // Where each motion stands: rows of at most `columns`, the first row in front, all centred.
 function places(motions, columns) {
   const found = [];
@@ -40,14 +50,17 @@ class Stage {
 
     const portrait = canvas.clientWidth < canvas.clientHeight;
     const wide = motions.length > 8 ? Math.ceil(Math.sqrt(2 * motions.length)) : 4;
-    const spots = places(motions, portrait ? Math.ceil(wide / 2) : wide);
+    const columns = portrait ? Math.ceil(wide / 2) : wide;
+    this.rows = Math.ceil(motions.length / columns);
+    const spots = places(motions, columns);
+    const shorter = shortNames(motions.map((motion) => motion.title));
     const given = cssValue('--given');
     this.figures = motions.map((motion, i) => {
       const figure = new Figure(motion, COLOURS[i % COLOURS.length], given);
       figure.group.position.copy(spots[i]);
       this.scene.add(figure.group);
       figure.name = document.createElement('span');
-      figure.name.textContent = motion.title;
+      figure.name.textContent = shorter[i];
       names.appendChild(figure.name);
       return figure;
     });
@@ -74,7 +87,7 @@ class Stage {
     key.shadow.radius = 2.5;
     key.shadow.bias = -0.0006;
     Object.assign(
-      key.shadow.camera, {left: -reach, right: reach, top: reach, bottom: -reach, far: 60});
+        key.shadow.camera, {left: -reach, right: reach, top: reach, bottom: -reach, far: 60});
     const rim = new THREE.DirectionalLight(0xbfd0ff, .4);
     rim.position.set(-2, 3, -4);
     this.scene.add(key, key.target, rim);
@@ -86,8 +99,8 @@ class Stage {
       transparent: true,
       depthWrite: false,
       extensions: {derivatives: true},
-      uniforms: {floor: {value: new THREE.Color()}, grid: {value: new THREE.Color()},
-        reach: {value: 1}},
+      uniforms:
+          {floor: {value: new THREE.Color()}, grid: {value: new THREE.Color()}, reach: {value: 1}},
       vertexShader: `varying vec2 spot;
         void main() {
           spot = (modelMatrix * vec4(position, 1.)).xz;
@@ -130,9 +143,10 @@ class Stage {
     const shape = new THREE.PlaneBufferGeometry(1, 1).rotateX(-Math.PI / 2);
     this.contacts = [];
     for (const figure of this.figures) {
-      for (const [joint, size, height, dark] of [[10, .34, .12, .5], [11, .34, .12, .5], [0, 1.1, 1.2, .42]]) {
-        const patch = new THREE.Mesh(shape, new THREE.MeshBasicMaterial(
-          {map, transparent: true, depthWrite: false}));
+      for (const [joint, size, height, dark] of [
+               [10, .34, .12, .5], [11, .34, .12, .5], [0, 1.1, 1.2, .42]]) {
+        const patch = new THREE.Mesh(
+            shape, new THREE.MeshBasicMaterial({map, transparent: true, depthWrite: false}));
         patch.scale.set(size, 1, size);
         patch.renderOrder = 1;
         figure.group.add(patch);
@@ -185,7 +199,8 @@ class Stage {
     }
     box.expandByPoint(box.getCenter(new THREE.Vector3()).setY(1.8));
     box.expandByPoint(box.getCenter(new THREE.Vector3()).setY(-.12));
-    this.orbit.look(box, this.camera, this.figures.length > 1 ? -.12 : -.3, .17);
+    this.orbit.look(
+        box, this.camera, this.figures.length > 1 ? -.12 : -.3, this.rows > 1 ? .3 : .17);
     this.draw();
   }
 
@@ -195,7 +210,8 @@ class Stage {
   }
 
   showTrails(visible) {
-    for (const {trails} of this.figures) for (const {mesh} of trails) mesh.visible = visible;
+    for (const {trails} of this.figures)
+      for (const {mesh} of trails) mesh.visible = visible;
   }
 
   show(seconds) {
@@ -209,7 +225,8 @@ class Stage {
     this.orbit.place(this.camera);
     this.key.target.position.copy(this.box.getCenter(new THREE.Vector3())).setY(0);
     this.key.position.copy(this.key.target.position).add(new THREE.Vector3(6, 15, 9));
-    this.floor.uniforms.reach.value = Math.max(this.box.getSize(new THREE.Vector3()).length(), 4) * 1.5;
+    this.floor.uniforms.reach.value =
+        Math.max(this.box.getSize(new THREE.Vector3()).length(), 4) * 1.5;
     for (const {figure, joint, height, dark, patch} of this.contacts) {
       const at = figure.point(joint, patch.position);
       patch.material.opacity = dark * Math.exp(-Math.max(at.y - .03, 0) / height);
@@ -224,7 +241,8 @@ class Stage {
     for (const figure of this.figures) {
       const at = figure.point(0).add(figure.group.position).setY(-.02).project(this.camera);
       const x = (at.x + 1) / 2 * width, y = (1 - at.y) / 2 * height + 14;
-      figure.name.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translateX(-50%)`;
+      figure.name.style.transform =
+          `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translateX(-50%)`;
       figure.name.style.visibility = at.z > 1 ? 'hidden' : 'visible';
     }
   }
@@ -263,9 +281,12 @@ class Orbit {
     const before = this.pointers.get(event.pointerId);
     if (!before) return;
     const x = event.clientX - before[0], y = event.clientY - before[1];
-    if (this.pointers.size > 1) this.pinch(event, x, y);
-    else if (event.buttons & 2 || event.shiftKey) this.shift(x, y);
-    else this.rotate(-x * .008, y * .006);
+    if (this.pointers.size > 1)
+      this.pinch(event, x, y);
+    else if (event.buttons & 2 || event.shiftKey)
+      this.shift(x, y);
+    else
+      this.rotate(-x * .008, y * .006);
     this.pointers.set(event.pointerId, [event.clientX, event.clientY]);
   }
 
@@ -305,13 +326,16 @@ class Orbit {
     this.tilt = tilt;
     box.getCenter(this.target);
     const up = Math.tan(camera.fov * Math.PI / 360), across = up * camera.aspect;
-    const toEye = this.direction(), right = new THREE.Vector3(Math.cos(this.turn), 0, -Math.sin(this.turn));
+    const toEye = this.direction(),
+          right = new THREE.Vector3(Math.cos(this.turn), 0, -Math.sin(this.turn));
     const top = toEye.clone().cross(right);
     this.distance = 1;
     for (let i = 0; i < 8; i++) {
-      const corner = new THREE.Vector3(
-        i & 1 ? box.min.x : box.max.x, i & 2 ? box.min.y : box.max.y,
-        i & 4 ? box.min.z : box.max.z).sub(this.target);
+      const corner = new THREE
+                         .Vector3(
+                             i & 1 ? box.min.x : box.max.x, i & 2 ? box.min.y : box.max.y,
+                             i & 4 ? box.min.z : box.max.z)
+                         .sub(this.target);
       const need = Math.max(Math.abs(corner.dot(right)) / across, Math.abs(corner.dot(top)) / up);
       this.distance = Math.max(this.distance, corner.dot(toEye) + need * 1.06);
     }
@@ -319,8 +343,8 @@ class Orbit {
 
   direction() {
     return new THREE.Vector3(
-      Math.sin(this.turn) * Math.cos(this.tilt), Math.sin(this.tilt),
-      Math.cos(this.turn) * Math.cos(this.tilt));
+        Math.sin(this.turn) * Math.cos(this.tilt), Math.sin(this.tilt),
+        Math.cos(this.turn) * Math.cos(this.tilt));
   }
 
   place(camera) {
