@@ -1,29 +1,38 @@
-// A dataset: a directory of clips (clips/NAME.npz) and a readable dataset.json that lists them.
+// A dataset: a directory of clips (clips/NAME.npz) and a readable dataset.json that lists them:
+//
+//   {"format": "mocaplm dataset", "version": 1, "procedural": false,
+//    "import": {...how it was made...},
+//    "clips": [{"name": "walk", "file": "clips/walk.npz", "frames": 128, "fps": 30,
+//               "labels": {"style": "happy"}, "group": "walk", "split": "train", "source": "..."}]}
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "common/json.h"
 #include "motion/clip.h"
 
 namespace mocaplm {
 
 struct DatasetEntry {
-  std::string name;   // unique, also the file's stem
-  std::string file;   // relative to the dataset's directory
-  std::int64_t frames = 0;
-  double fps = 0;
+  std::string name;         // unique, also the file's stem
+  std::string file;         // relative to the dataset's directory
+  std::int64_t frames = 0;  // 1 or more
+  double fps = 0;           // frames per second, in (0, 10000]
   Labels labels;
-  std::string group;  // clips of one group are never separated by a split
-  std::string split;  // "train", "validation" or "test"
-  std::string source; // where it was imported from
+  std::string group;   // clips of one group are never separated by a split
+  std::string split;   // "train", "validation" or "test"
+  std::string source;  // where it was imported from
+
+  double seconds() const { return fps > 0 ? static_cast<double>(frames) / fps : 0; }
 };
 
 struct Dataset {
   std::filesystem::path directory;
   std::vector<DatasetEntry> entries;  // sorted by name
   bool procedural = false;            // made by `synth`: said wherever its motion is shown
+  Json import = Json::object();       // the resolved settings of the command that made it
 
   std::vector<DatasetEntry> split(const std::string& name) const;
   // Values of one label over all entries, sorted, each once.
@@ -32,11 +41,17 @@ struct Dataset {
   std::vector<std::string> label_names() const;
 };
 
+// "train", "validation", "test".
+const std::vector<std::string>& split_names();
+
 // Reads and checks dataset.json. Throws DataError (missing keys, files that escape the directory,
 // duplicate names, unknown splits).
 Dataset load_dataset(const std::filesystem::path& directory);
 void save_dataset(const Dataset& dataset);
-// Reads one clip and gives it the entry's name and labels; throws DataError when it does not match it.
+// Whether `directory` holds a dataset.json, sound or not.
+bool is_dataset(const std::filesystem::path& directory);
+// Reads one clip and gives it the entry's name and labels; throws DataError when it does not match
+// it.
 Clip load_clip(const Dataset& dataset, const DatasetEntry& entry);
 
 }  // namespace mocaplm
