@@ -21,17 +21,6 @@ constexpr int kPelvis = 0;
 // memory.
 constexpr double kMaxFrames = 1e6;
 
-Clip at_rate(const Clip& clip, double fps) {
-  const std::string name = clip.name.empty() ? "clip" : clip.name;
-  check_clip(clip, name);
-  if (std::abs(clip.fps - fps) < 1e-9) return clip;
-  if (clip.seconds() * fps > kMaxFrames)
-    throw DataError(in_file(name), "lasts " + format_duration(clip.seconds()) + " by its rate of " +
-                                       format_number(clip.fps) +
-                                       " frames per second, which is too long; is the rate right?");
-  return resample(clip, fps);
-}
-
 // Where the dancer stands and faces. Without the pelvis among the joints nobody who decodes knows
 // the heading: then it is 0, and steps are along the world's axes.
 class Walker {
@@ -57,6 +46,17 @@ class Walker {
 
 }  // namespace
 
+Clip Tokenizer::at_rate(const Clip& clip) const {
+  const std::string name = clip.name.empty() ? "clip" : clip.name;
+  check_clip(clip, name);
+  if (std::abs(clip.fps - config_.fps) < 1e-9) return clip;
+  if (clip.seconds() * config_.fps > kMaxFrames)
+    throw DataError(in_file(name), "lasts " + format_duration(clip.seconds()) + " by its rate of " +
+                                       format_number(clip.fps) +
+                                       " frames per second, which is too long; is the rate right?");
+  return resample(clip, config_.fps);
+}
+
 bool Tokenizer::is_decoded(const Eigen::Vector3d& v, int first) const {
   for (int axis = 0; axis < 3; ++axis) {
     const int c = first + axis;
@@ -66,7 +66,7 @@ bool Tokenizer::is_decoded(const Eigen::Vector3d& v, int first) const {
 }
 
 Eigen::MatrixXd Tokenizer::channel_values(const Clip& given) const {
-  const Clip clip = at_rate(given, config_.fps);
+  const Clip clip = at_rate(given);
   Eigen::MatrixXd values(clip.frames(), channels());
   for (int first = 0; first < rotation_channels(); first += 3) {
     Eigen::Vector3d previous;
@@ -96,7 +96,7 @@ Eigen::MatrixXd Tokenizer::channel_values(const Clip& given) const {
 }
 
 TokenStream Tokenizer::encode(const Clip& given, EncodeReport* report) const {
-  const Clip clip = at_rate(given, config_.fps);
+  const Clip clip = at_rate(given);
   Eigen::MatrixXd values = channel_values(clip);
   const int root = rotation_channels();
   TokenStream stream;

@@ -18,6 +18,11 @@ constexpr double kPi = 3.14159265358979323846;
 }  // namespace
 
 Tokenizer Tokenizer::fit(const TokenizerConfig& config, const std::vector<Clip>& clips) {
+  return fit(config, clips.size(), [&](std::size_t i) { return clips[i]; });
+}
+
+Tokenizer Tokenizer::fit(const TokenizerConfig& config, std::size_t count,
+                         const std::function<Clip(std::size_t)>& clip) {
   Tokenizer tokenizer;
   const Json settings = settings_json(config);
   JsonObject object(settings, "tokenizer settings");
@@ -32,13 +37,13 @@ Tokenizer Tokenizer::fit(const TokenizerConfig& config, const std::vector<Clip>&
   tokenizer.high_.assign(rotations, kPi);
   if (config.root == "none") return tokenizer;
 
-  if (clips.empty())
+  if (count == 0)
     throw UsageError("fitting the root's ranges needs at least one clip, or root = none");
   tokenizer.low_.resize(rotations + 3);
   tokenizer.high_.resize(rotations + 3);
   std::vector<double> values[3];
-  for (const Clip& clip : clips) {
-    const Eigen::MatrixXd all = tokenizer.channel_values(clip);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::MatrixXd all = tokenizer.channel_values(clip(i));
     for (Eigen::Index t = 0; t < all.rows(); ++t)
       for (Eigen::Index axis = 0; axis < 3; ++axis)
         values[axis].push_back(all(t, static_cast<Eigen::Index>(rotations) + axis));

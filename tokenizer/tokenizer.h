@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,9 @@ class Tokenizer {
   Tokenizer() = default;
   // Fits the root's ranges on `clips` (each at its own rate).
   static Tokenizer fit(const TokenizerConfig& config, const std::vector<Clip>& clips);
+  // The same with one clip in memory at a time: `clip(i)` for i in [0, count).
+  static Tokenizer fit(const TokenizerConfig& config, std::size_t count,
+                       const std::function<Clip(std::size_t)>& clip);
 
   const TokenizerConfig& config() const { return config_; }
   const std::vector<int>& joints() const { return joints_; }
@@ -87,6 +91,9 @@ class Tokenizer {
   std::int32_t label_id(const std::string& label, const std::string& value) const;
   bool knows(const std::string& label, const std::string& value) const;
 
+  // The clip at the tokenizer's rate. Throws DataError for clips that are not sound (check_clip) or
+  // too long at that rate (a million frames).
+  Clip at_rate(const Clip& clip) const;
   // (frames, channels) values at the tokenizer's rate: radians (continuous in time, components
   // inside [-pi, pi]) and metres. The clip is resampled when its rate differs.
   Eigen::MatrixXd channel_values(const Clip& clip) const;
@@ -106,9 +113,10 @@ class Tokenizer {
 
   // Every bin a printable character (UTF-8); the separator is a space.
   std::string to_text(const std::vector<std::int32_t>& ids) const;
-  // Throws DataError naming line and character of what is not in the alphabet.
-  std::vector<std::int32_t> from_text(const std::string& text,
-                                      const std::string& name = "text") const;
+  // Throws DataError naming line (counted from `line`) and character of what is not in the
+  // alphabet. A newline is not: a corpus has one clip a line, see tokenizer/corpus.h.
+  std::vector<std::int32_t> from_text(const std::string& text, const std::string& name = "text",
+                                      std::size_t line = 1) const;
 
   Json to_json() const;
   static Tokenizer from_json(const Json& json, const std::string& place);

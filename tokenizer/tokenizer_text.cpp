@@ -54,11 +54,11 @@ std::string Tokenizer::to_text(const std::vector<std::int32_t>& ids) const {
   return text;
 }
 
-std::vector<std::int32_t> Tokenizer::from_text(const std::string& text,
-                                               const std::string& name) const {
+std::vector<std::int32_t> Tokenizer::from_text(const std::string& text, const std::string& name,
+                                               std::size_t line) const {
   std::vector<std::int32_t> ids;
   ids.reserve(text.size());
-  std::size_t line = 1, character = 1;  // counted from 1, in characters
+  std::size_t character = 1;
   for (std::size_t at = 0; at < text.size(); ++character) {
     const Place place{name,
                       "line " + std::to_string(line) + ", character " + std::to_string(character)};
