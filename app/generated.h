@@ -1,0 +1,25 @@
+// What `generate` and `demo` write and print of a generated dance.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/table.h"
+#include "generate/generator.h"
+
+namespace mocaplm {
+
+// {"genre=waack", ...} -> labels. Throws UsageError for a text without "=".
+Labels parse_labels(const std::vector<std::string>& texts);
+
+// Writes STEM.npz, STEM.bvh and STEM.html (the prompt beside the dance); STEM may end in one of
+// these to get only that file.
+void write_generated(const std::string& stem, const Generator& generator,
+                     const GenerateRequest& request, const GenerateResult& result,
+                     const std::string& model, const std::string& prompt);
+
+// Length, conditions, share of frozen frames beside the prompt's own, files.
+Table generated_table(const Generator& generator, const GenerateRequest& request,
+                      const GenerateResult& result, const std::string& stem);
+
+}  // namespace mocaplm
