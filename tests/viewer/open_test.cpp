@@ -8,6 +8,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "motion/dataset_write.h"
 
 namespace mocaplm {
 namespace {
@@ -92,6 +93,40 @@ TEST_F(OpenTest, RefusesTruncatedFilesAtEveryLength) {
     write_file(file("cut.npz"), whole.substr(0, size));
     EXPECT_THROW(open_page(of({file("cut.npz")})), DataError) << size;
   }
+}
+
+TEST_F(OpenTest, ShowsClipsOfADatasetAndSaysThatTheyAreProcedural) {
+  const fs::path folder = directory_ / "dances";
+  write_dataset(folder, Existing::refuse, [this](const fs::path& fresh) {
+    Dataset dataset;
+    dataset.procedural = true;
+    for (int i = 0; i < 9; ++i) {
+      DatasetEntry entry;
+      entry.name = entry.group = "clip" + std::to_string(i);
+      entry.file = clip_file(entry.name);
+      entry.frames = clip_.frames();
+      entry.fps = clip_.fps;
+      entry.split = "train";
+      entry.labels = {{"genre", "waack"}};
+      store_clip(fresh, entry, clip_);
+      dataset.entries.push_back(entry);
+    }
+    return dataset;
+  });
+  std::vector<std::string> remarks;
+  ViewOptions options = of({folder.string()});
+  Page page = open_page(options, &remarks);
+  EXPECT_EQ(page.motions.size(), kDatasetPreview);
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("of 9 clips"), std::string::npos);
+  EXPECT_NE(page.note.find("procedural"), std::string::npos);
+  options.clips = {"clip8", "clip2"};
+  page = open_page(options);
+  ASSERT_EQ(page.motions.size(), 2u);
+  EXPECT_EQ(page.motions[0].title, "clip8");
+  EXPECT_EQ(page.motions[0].clip.labels.at("genre"), "waack");
+  options.clips = {"clip88"};
+  EXPECT_NE(message<UsageError>(options).find("did you mean \"clip8\""), std::string::npos);
 }
 
 TEST(PagePath, MustBeHtml) {
