@@ -108,16 +108,17 @@ class Retargeter {
     const Bone hand = {"", 20 + side, 22 + side};
     align(hand, joints_[hand.child] >= 0 ? bone(hand) : world[hand.joint] * hands_[side], world);
   }
-  // Where a hand without a joint of its own points in the T-pose: to its End Site, or on along the
-  // forearm.
+  // Where a hand without a joint of its own points in the T-pose: to its End Site, else straight to
+  // the side, else (the zero pose may be an A-pose) on along the forearm.
   Eigen::Vector3d hand_in_t_pose(std::size_t wrist, std::size_t elbow) {
-    const auto& ends = bvh_.joints[static_cast<std::size_t>(joints_[wrist])].end_sites;
     pose_bvh(bvh_, Eigen::Index{0}, pose_);
-    const Eigen::Vector3d forearm =
-        source(elbow).transpose() * turn_.transpose() * bone({"", elbow, wrist});
+    const Eigen::Vector3d forearm = bone({"", elbow, wrist});
+    const auto& ends = bvh_.joints[static_cast<std::size_t>(joints_[wrist])].end_sites;
     if (!ends.empty() && ends.front().norm() > 0.01 * forearm.norm())
       return from_t_pose_[wrist].transpose() * ends.front();
-    return from_t_pose_[elbow].transpose() * forearm;
+    if (map_.t_pose != TPose::zero) return (wrist == 20 ? 1 : -1) * Eigen::Vector3d::UnitX();
+    return from_t_pose_[elbow].transpose() * source(elbow).transpose() * turn_.transpose() *
+           forearm;
   }
 
   // Between two joints that have a source the turn is shared equally; above the last one they
@@ -180,7 +181,8 @@ void measure(const Clip& clip, Eigen::Index frame, const Retargeter& retargeter,
                                   positions.row(static_cast<Eigen::Index>(limb.joint)))
                                      .transpose();
     const double error = degrees_between(source, ours);
-    report.limbs[i].mean += error / static_cast<double>(clip.frames());
+    report.limbs[i].mean += error;
+    ++report.limbs[i].frames;
     if (error > report.limbs[i].max) {
       report.limbs[i].max = error;
       report.limbs[i].worst_frame = frame;
@@ -198,9 +200,15 @@ void start(RetargetReport& report, const RetargetMap& map, const Retargeter& ret
     if (!retargeter.has(j)) report.unmatched.push_back(joint_names()[j]);
 }
 
+// Turns the sums into means; limbs that never had a length are left out.
 void finish(RetargetReport& report) {
-  for (const LimbError& limb : report.limbs) {
-    report.mean_degrees += limb.mean / static_cast<double>(report.limbs.size());
+  auto& limbs = report.limbs;
+  limbs.erase(std::remove_if(limbs.begin(), limbs.end(),
+                             [](const LimbError& limb) { return limb.frames == 0; }),
+              limbs.end());
+  for (LimbError& limb : limbs) {
+    limb.mean /= static_cast<double>(limb.frames);
+    report.mean_degrees += limb.mean / static_cast<double>(limbs.size());
     report.max_degrees = std::max(report.max_degrees, limb.max);
   }
 }
@@ -216,11 +224,10 @@ void check(const BvhOptions& options) {
 
 }  // namespace
 
-Clip retarget_bvh(const Bvh& bvh, const std::string& file, const BvhOptions& options,
-                  RetargetReport* report) {
+Clip retarget_bvh(const Bvh& bvh, const RetargetMap& map, const std::string& file,
+                  const BvhOptions& options, RetargetReport* report) {
   check(options);
-  const RetargetMap map =
-      options.map_file.empty() ? detect_map(bvh, file) : load_map(options.map_file);
+  if (bvh.frames() == 0) throw DataError(in_file(file), "has no frames");
   Retargeter retargeter(bvh, map, options, file);
   Clip clip;
   clip.name = std::filesystem::path(file).stem().string();
@@ -238,6 +245,13 @@ Clip retarget_bvh(const Bvh& bvh, const std::string& file, const BvhOptions& opt
   if (report) finish(*report);
   check_clip(clip, file);
   return clip;
+}
+
+Clip retarget_bvh(const Bvh& bvh, const std::string& file, const BvhOptions& options,
+                  RetargetReport* report) {
+  const RetargetMap map =
+      options.map_file.empty() ? detect_map(bvh, file) : load_map(options.map_file);
+  return retarget_bvh(bvh, map, file, options, report);
 }
 
 Clip read_bvh_clip(const std::filesystem::path& path, const BvhOptions& options,

@@ -9,6 +9,7 @@
 
 #include "motion/clip.h"
 #include "motion/formats/bvh.h"
+#include "motion/formats/retarget_map.h"
 #include "motion/formats/up_axis.h"
 
 namespace mocaplm {
@@ -27,6 +28,7 @@ struct LimbError {
   std::string limb;  // "left_upper_arm", ...
   double mean = 0, max = 0;
   Eigen::Index worst_frame = 0;
+  Eigen::Index frames = 0;  // in which the bone has a length
 };
 
 struct RetargetReport {
@@ -49,5 +51,8 @@ Clip read_bvh_clip(const std::filesystem::path& path, const BvhOptions& options 
 // The same for a file that was already read; `file` stands for it in messages.
 Clip retarget_bvh(const Bvh& bvh, const std::string& file, const BvhOptions& options = {},
                   RetargetReport* report = nullptr);
+// The same with a map in hand; `options.map_file` is not read.
+Clip retarget_bvh(const Bvh& bvh, const RetargetMap& map, const std::string& file,
+                  const BvhOptions& options, RetargetReport* report);
 
 }  // namespace mocaplm

@@ -32,18 +32,20 @@ const std::vector<Scheme>& schemes() {
        "Sfoot", "", "Scollar", "Sshldr", "Sforearm", "Shand", "Smid1"},
       {"bandai-namco", "l", "r", "hips", "", "spine", "chest", "neck", "head", "upperlegS",
        "lowerlegS", "footS", "toesS", "shoulderS", "upperarmS", "lowerarmS", "handS", ""},
+      {"motionbuilder", "left", "right", "hips", "", "spine", "spine1", "neck", "head", "Supleg",
+       "Sleg", "Sfoot", "Stoebase|Stoe", "Sshoulder", "Sarm", "Sforearm", "Shand", "Shandmiddle1"},
       {"cmu", "left", "right", "hips", "lowerback", "spine", "spine1", "neck", "head", "Supleg",
        "Sleg", "Sfoot", "Stoebase|Stoe", "Sshoulder", "Sarm", "Sforearm", "Shand", "Sfingerbase"},
       {"mixamo", "left", "right", "hips", "spine", "spine2", "spine3", "neck", "head", "Supleg",
        "Sleg", "Sfoot", "Stoebase|Stoe", "Sshoulder", "Sarm", "Sforearm", "Shand", "Shandmiddle1"},
       {"mixamo", "left", "right", "hips", "spine", "spine1", "spine2", "neck", "head", "Supleg",
        "Sleg", "Sfoot", "Stoebase|Stoe", "Sshoulder", "Sarm", "Sforearm", "Shand", "Shandmiddle1"},
-      {"motionbuilder", "left", "right", "hips", "", "spine", "spine1", "neck", "head", "Supleg",
-       "Sleg", "Sfoot", "Stoebase|Stoe", "Sshoulder", "Sarm", "Sforearm", "Shand", "Shandmiddle1"},
-      {"classic", "left", "right", "hips", "chest", "chest2", "chest4|chest3", "neck", "head",
-       "Ship", "Sknee", "Sankle", "Stoe", "Scollar", "Sshoulder", "Selbow", "Swrist", ""},
       {"classic", "left", "right", "hips", "", "", "chest", "neck", "head", "Ship", "Sknee",
-       "Sankle", "Stoe", "Scollar", "Sshoulder", "Selbow", "Swrist", ""}};
+       "Sankle", "Stoe", "Scollar", "Sshoulder", "Selbow", "Swrist", ""},
+      {"classic", "left", "right", "hips", "", "chest", "chest2", "neck", "head", "Ship", "Sknee",
+       "Sankle", "Stoe", "Scollar", "Sshoulder", "Selbow", "Swrist", ""},
+      {"classic", "left", "right", "hips", "chest", "chest2", "chest4|chest3", "neck", "head",
+       "Ship", "Sknee", "Sankle", "Stoe", "Scollar", "Sshoulder", "Selbow", "Swrist", ""}};
   return all;
 }
 
@@ -176,7 +178,7 @@ bool bones_along_x(const Bvh& bvh, const RetargetMap& map) {
   for (const int j : {4, 5, 7, 8, 18, 19, 20, 21}) {
     const int joint = bvh.joint(map.joints[static_cast<std::size_t>(j)]);
     const Eigen::Vector3d& offset = bvh.joints[static_cast<std::size_t>(joint)].offset;
-    if (offset.x() < 0.98 * offset.norm()) return false;
+    if (offset.x() < 0.9 * offset.norm()) return false;
   }
   return true;
 }

@@ -35,8 +35,9 @@ Eigen::Vector3d named_axis(const std::string& name) {
   return (name[0] == '-' ? -1 : 1) * Eigen::Vector3d::Unit(name[1] - 'x');
 }
 
+// Within 20 degrees.
 bool along(const Eigen::Vector3d& v, const Eigen::Vector3d& axis) {
-  return v.dot(axis) > 0.8 * v.norm() && v.norm() > 0;
+  return v.dot(axis) > 0.94 * v.norm() && v.norm() > 0;
 }
 
 // The signed axes of the file along which the figure of the zero pose stands and has its left.

@@ -1,0 +1,44 @@
+// The limb-direction error over every file of ../shared/data.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "motion/formats/retarget.h"
+
+namespace mocaplm {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(RetargetSlow, LimbDirectionsOfAllFiles) {
+  const std::string data = std::string(MOCAPLM_SOURCE_DIR) + "/../shared/data";
+  if (!fs::exists(data)) GTEST_SKIP() << "no " << data;
+  const fs::path directory = fs::path(testing::TempDir()) / "mocaplm_all_bvh";
+  fs::create_directories(directory);
+  for (const char* archive : {"cmu-dance", "bandai-1", "bandai-2"}) {
+    const std::string command = "tar -xf '" + data + "/" + archive + "-bvh.tar.xz' -C '" +
+                                directory.string() + "' 2> /dev/null";
+    if (std::system(command.c_str()) != 0)
+      GTEST_SKIP() << "cannot unpack " << archive << " (needs tar and xz)";
+  }
+  int files = 0;
+  double sum = 0, worst = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(directory)) {
+    if (entry.path().extension() != ".bvh") continue;
+    RetargetReport report;
+    const Clip clip = read_bvh_clip(entry.path(), {}, &report);
+    check_clip(clip, entry.path().string());
+    EXPECT_EQ(report.limbs.size(), 8u);
+    EXPECT_LT(report.mean_degrees, 0.01) << entry.path();
+    sum += report.mean_degrees;
+    worst = std::max(worst, report.max_degrees);
+    ++files;
+  }
+  fs::remove_all(directory);
+  EXPECT_EQ(files, 1087);
+  std::cout << files << " files: mean " << sum / files << ", max " << worst << " degrees\n";
+}
+
+}  // namespace
+}  // namespace mocaplm
