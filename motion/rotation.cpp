@@ -57,19 +57,26 @@ Eigen::Vector3d axis_angle_from_matrix(const Eigen::Matrix3d& matrix) {
 Eigen::Matrix3d matrix_from_euler(const Eigen::Vector3d& angles, const EulerOrder& order) {
   Eigen::Matrix3d all = Eigen::Matrix3d::Identity();
   for (int i = 0; i < 3; ++i)
-    all = all * Eigen::AngleAxisd(angles[i], Eigen::Vector3d::Unit(order[static_cast<std::size_t>(i)])).toRotationMatrix();
+    all = all *
+          Eigen::AngleAxisd(angles[i], Eigen::Vector3d::Unit(order[static_cast<std::size_t>(i)]))
+              .toRotationMatrix();
   return all;
 }
 
 Eigen::Vector3d euler_from_matrix(const Eigen::Matrix3d& m, const EulerOrder& order) {
   const int i = order[0], j = order[1], k = order[2];
   const double s = parity(order);
-  const double middle = std::asin(std::clamp(s * m(i, k), -1.0, 1.0));
   const double cosine = std::hypot(m(i, i), m(i, j));
-  if (cosine < 1e-9)  // gimbal lock: only the sum or difference of the outer angles is defined
-    return {wrap(std::atan2(s * m(k, j), m(j, j))), middle, 0};
   // atan2 with the cosine keeps the middle angle precise near +-pi/2 where asin is not.
-  return {wrap(std::atan2(-s * m(j, k), m(k, k))), std::atan2(s * m(i, k), cosine), wrap(std::atan2(-s * m(i, j), m(i, i)))};
+  const double middle = std::atan2(s * m(i, k), cosine);
+  if (cosine < 1e-12)  // gimbal lock: only the sum or difference of the outer angles is defined
+    return {wrap(std::atan2(s * m(k, j), m(j, j))), middle, 0};
+  const double first = std::atan2(-s * m(j, k), m(k, k));
+  // With the first rotation taken off, row j is the third rotation's alone. Read from there, the
+  // third angle makes up for what the first one lost near the gimbal lock.
+  const double c = std::cos(first), sine = s * std::sin(first);
+  const double third = std::atan2(s * (c * m(j, i) + sine * m(k, i)), c * m(j, j) + sine * m(k, j));
+  return {wrap(first), middle, wrap(third)};
 }
 
 double geodesic_angle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
@@ -78,15 +85,29 @@ double geodesic_angle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) 
 }
 
 Eigen::Quaterniond shortest_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to);
+  const Eigen::Vector3d a = from.normalized(), b = to.normalized();
+  // The half angle from |a + b| and |a - b|, which do not cancel where a . b nears -1.
+  const double cosine = 0.5 * (a + b).norm();
+  Eigen::Vector3d axis = a.cross(b), imaginary;
+  if (a.dot(b) >= 0) {
+    imaginary = axis / (2 * cosine);
+  } else {
+    const Eigen::Vector3d apart = (a - b).normalized();
+    if (axis.norm() < 1e-12) axis = apart.unitOrthogonal();  // opposite: any half turn does
+    axis -= axis.dot(apart) * apart;  // rounding must not tilt it towards them
+    imaginary = 0.5 * (a - b).norm() * axis.normalized();
+  }
+  return Eigen::Quaterniond(cosine, imaginary.x(), imaginary.y(), imaginary.z()).normalized();
 }
 
-Eigen::Vector3d continuous_axis_angle(const Eigen::Vector3d& axis_angle, const Eigen::Vector3d& previous,
-                                      double limit) {
-  const Eigen::Vector3d shortest = axis_angle_from_quaternion(quaternion_from_axis_angle(axis_angle));
+Eigen::Vector3d continuous_axis_angle(const Eigen::Vector3d& axis_angle,
+                                      const Eigen::Vector3d& previous, double limit) {
+  const Eigen::Vector3d shortest =
+      axis_angle_from_quaternion(quaternion_from_axis_angle(axis_angle));
   const double angle = shortest.norm();
-  // At no rotation every axis is as good: a whole turn about the previous one may be the continuation.
-  const Eigen::Vector3d axis = angle > 1e-9 ? Eigen::Vector3d(shortest / angle)
+  // At no rotation every axis is as good: a whole turn about the previous one may be the
+  // continuation.
+  const Eigen::Vector3d axis = angle > 1e-9             ? Eigen::Vector3d(shortest / angle)
                                : previous.norm() > 1e-9 ? Eigen::Vector3d(previous.normalized())
                                                         : Eigen::Vector3d::UnitX();
   Eigen::Vector3d best = shortest;

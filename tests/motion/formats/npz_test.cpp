@@ -177,8 +177,8 @@ TEST(Npz, RefusesFilesThatAreNoArchives) {
   EXPECT_TRUE(contains(refusal([&] { read_clip(scratch / ""); }), "folder"));
   Random random(1);
   EXPECT_THROW(write_clip(scratch / "x.pkl", random_clip(random, 2, 30)), UsageError);
-  EXPECT_THROW(write_clip(scratch / "x.npz", Clip{}), DataError);
-  EXPECT_FALSE(std::filesystem::exists(scratch / "x.npz"));
+  EXPECT_THROW(write_clip(scratch / "w.npz", Clip{}), DataError);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "w.npz"));
 }
 
 // An archive with a deflated entry of `zeros` zero bytes.
