@@ -1,5 +1,8 @@
 #include "tokenizer/corpus.h"
 
+#include <algorithm>
+#include <set>
+
 #include "common/error.h"
 #include "common/files.h"
 #include "common/text.h"

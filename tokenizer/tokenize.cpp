@@ -1,6 +1,7 @@
 #include "tokenizer/tokenize.h"
 
 #include <functional>
+#include <memory>
 #include <set>
 
 #include "common/error.h"
