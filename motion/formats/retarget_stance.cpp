@@ -98,6 +98,16 @@ Eigen::Matrix3d heading_to_front(const Eigen::Vector3d& left) {
   return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
 }
 
+// How far the shin of the zero pose is spread to the side, as the turn about +Z that undoes it. The
+// original CMU skeleton stands with its legs 20 degrees apart, and its feet tilted with them.
+Eigen::Matrix3d undo_spread(const BvhPose& pose, const SourceJoints& joints,
+                            const Eigen::Matrix3d& turn, int knee, int ankle) {
+  const Eigen::Vector3d shin = turn * (at(pose, joints, ankle) - at(pose, joints, knee));
+  const double angle = std::atan2(shin.x(), -shin.y());
+  if (std::abs(angle) < 0.175) return Eigen::Matrix3d::Identity();  // 10 degrees: straight
+  return Eigen::AngleAxisd(-angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
 }  // namespace
 
 SourceJoints source_joints(const Bvh& bvh, const RetargetMap& map, const std::string& file) {
@@ -165,6 +175,10 @@ std::array<Eigen::Matrix3d, kJoints> from_t_pose(const Bvh& bvh, const RetargetM
     if (joints[j] < 0) continue;
     if (map.t_pose != TPose::axes) {
       inverse[j] = (front * pose.rotations[static_cast<std::size_t>(joints[j])]).transpose();
+      const bool left_foot = j == 7 || j == 10, right_foot = j == 8 || j == 11;
+      if (map.t_pose == TPose::zero && map.align && (left_foot || right_foot))
+        inverse[j] *=
+            undo_spread(pose, joints, turn, left_foot ? 4 : 5, left_foot ? 7 : 8).transpose();
       continue;
     }
     const auto found = map.axes.find(map.joints[j]);

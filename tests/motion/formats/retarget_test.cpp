@@ -329,6 +329,24 @@ TEST(Retarget, MissingSpineJointsShareTheTurn) {
   EXPECT_EQ(clip.poses.row(0).segment<6>(66).norm(), 0);  // hands
 }
 
+// CMU's original zero pose: legs 20 degrees apart and the feet tilted with them.
+TEST(Retarget, FeetOfASpreadZeroPoseStandFlat) {
+  Random random(32);
+  Rig rig = cmu(body(nullptr));
+  for (RigJoint& joint : rig.joints) {
+    const std::string& n = joint.name;
+    if (n.find("Leg") != n.npos || n.find("Foot") != n.npos || n.find("Toe") != n.npos)
+      joint.axes = matrix_from_axis_angle((n[0] == 'L' ? -1 : 1) * 20 * M_PI / 180 * kZ);
+  }
+  const Motion m = motion(random);
+  const Clip clip = retarget_bvh(parse_bvh(rig.bvh(m.clip, m.roots), "rig"), "rig");
+  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+    const auto turned = joint_world_rotations(m.clip, t), ours = joint_world_rotations(clip, t);
+    for (const std::size_t j : {7, 8, 10, 11})  // SMPL's own shins are 2 degrees off the vertical
+      EXPECT_LT(geodesic_angle(Eigen::Quaterniond(turned[j]), Eigen::Quaterniond(ours[j])), 0.05);
+  }
+}
+
 TEST(Retarget, HandDirectionTurnsTheWrist) {
   Random random(24);
   Rig rig = daz(body(&random));
@@ -434,6 +452,30 @@ TEST(Retarget, KnownNamesWithAnUnknownZeroPoseAreRefused) {
   for (RigJoint& joint : rig.joints) joint.axes = tilt;
   const std::string error = error_of(parse_bvh(rig.bvh(m.clip, m.roots), "walk.bvh"));
   EXPECT_NE(error.find("does not stand upright"), std::string::npos) << error;
+}
+
+TEST(Retarget, DamagedFilesAreRefusedOrSound) {
+  Random random(30);
+  const Motion m = motion(random, 2);
+  int refused = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::string text =
+        kSchemes[random.below(kSchemes.size())].rig(body(nullptr)).bvh(m.clip, m.roots);
+    for (std::uint64_t k = 1 + random.below(3); k > 0; --k) {
+      const std::size_t at = random.below(text.size());
+      const char* const marks = "0123456789.-+eE{} \n";
+      if (random.below(2))
+        text[at] = marks[random.below(19)];
+      else
+        text.erase(at, 1 + random.below(40));
+    }
+    try {
+      check_clip(retarget_bvh(parse_bvh(text, "damaged"), "damaged"), "damaged");
+    } catch (const DataError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 1000);
 }
 
 // Map files.
