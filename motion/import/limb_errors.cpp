@@ -32,14 +32,13 @@ double LimbErrors::mean_degrees() const {
 Table LimbErrors::table() const {
   Table table("Limb directions after retargeting, degrees from the source's",
               {"limb", "mean", "largest", "in clip", "frame"});
-  table.digits({-1, 6, 6, -1, -1});
   for (const auto& [name, limb] : limbs_)
     table.row({name, limb.sum / static_cast<double>(limb.frames), limb.max, limb.worst_clip,
                limb.worst_frame});
   std::vector<std::string> schemes;
   for (const auto& [scheme, clips] : schemes_)
     schemes.push_back(scheme + " (" + std::to_string(clips) + ")");
-  table.note("Mean over all limbs and frames: " + format_fixed(mean_degrees(), 6) +
+  table.note("Mean over all limbs and frames: " + format_number(mean_degrees()) +
              ". Skeletons: " + join(schemes, ", ") + ".");
   return table;
 }

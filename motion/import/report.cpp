@@ -45,7 +45,7 @@ Table split_table(const Dataset& dataset) {
 }
 
 Table label_table(const Dataset& dataset) {
-  Table table("Labels", {"label", "clips", "values", "which (clips)"});
+  Table table("Labels", {"label", "clips", "values"});
   for (const std::string& label : dataset.label_names()) {
     std::map<std::string, int> clips;
     std::size_t labelled = 0;
@@ -59,8 +59,8 @@ Table label_table(const Dataset& dataset) {
     for (const auto& [value, count] : clips)
       if (values.size() < kShownValues)
         values.push_back(value + " (" + std::to_string(count) + ")");
-    table.row({label, labelled, clips.size(),
-               join(values, ", ") + (clips.size() > kShownValues ? ", ..." : "")});
+    table.row({label, labelled, clips.size()});
+    table.note(label + ": " + join(values, ", ") + (clips.size() > kShownValues ? ", ..." : ""));
   }
   return table;
 }
