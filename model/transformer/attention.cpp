@@ -4,6 +4,8 @@
 #include <limits>
 #include <vector>
 
+#include "model/transformer/dropout.h"
+
 namespace mocaplm {
 
 namespace {
@@ -57,7 +59,7 @@ struct BlockedAttention : torch::autograd::Function<BlockedAttention> {
       scores.slice(3, block.begin, block.end) += block_mask(block, length, free, scores.options());
       at::Tensor weights = at::_softmax(scores, -1, false);
       at::Tensor kept;
-      if (dropout > 0) kept = at::empty_like(weights).bernoulli_(1 - dropout).div_(1 - dropout);
+      if (dropout > 0) kept = dropout_mask(weights, dropout);
       out.slice(2, block.begin, block.end)
           .copy_(at::matmul(kept.defined() ? weights * kept : weights, v.slice(2, 0, block.end)));
       saved.push_back(weights);

@@ -1,14 +1,22 @@
 #include "model/transformer/transformer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/transformer/attention.h"
+#include "model/transformer/dropout.h"
 
 namespace mocaplm {
 
 namespace {
 
 constexpr double kDeviation = 0.02;
+
+// LibTorch keeps dots in names for nested modules.
+std::string parameter_name(std::string name) {
+  std::replace(name.begin(), name.end(), '.', '/');
+  return name;
+}
 
 at::Tensor rows(const std::vector<ModelInput>& inputs,
                 std::vector<std::int32_t> ModelInput::*member) {
@@ -53,7 +61,7 @@ at::Tensor Transformer::make(const std::string& name, at::IntArrayRef shape, dou
                              double mean) {
   at::Tensor value = at::full(shape, mean, at::kFloat);
   if (deviation > 0) value.normal_(mean, deviation);
-  return register_parameter(name, value);
+  return register_parameter(parameter_name(name), value);
 }
 
 Transformer::Transformer(const ModelDescription& description) : description_(description) {
@@ -108,7 +116,7 @@ at::Tensor Transformer::linear(const at::Tensor& x, const at::Tensor& weight,
 
 at::Tensor Transformer::drop(const at::Tensor& x) const {
   const double p = description_.config.dropout;
-  return is_training() && p > 0 ? at::dropout(x, p, true) : x;
+  return is_training() && p > 0 ? x * dropout_mask(x, p) : x;
 }
 
 at::Tensor Transformer::embed(const Batch& batch) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "common/error.h"
 #include "common/text.h"
@@ -22,6 +23,12 @@ bool only_more_rows(const std::vector<std::int64_t>& stored,
          std::equal(stored.begin() + 1, stored.end(), wanted.begin() + 1);
 }
 
+// The name in the file: dots throughout (LibTorch allows none in a parameter's own name).
+std::string stored_name(std::string name) {
+  std::replace(name.begin(), name.end(), '/', '.');
+  return name;
+}
+
 std::vector<float> last_logits(Transformer& model, const ModelInput& input) {
   const at::NoGradGuard no_grad;
   const Batch batch = stack({input}).to(model.parameters().front().device());
@@ -36,7 +43,7 @@ TensorMap export_weights(const torch::nn::Module& module) {
   TensorMap tensors;
   for (const auto& item : module.named_parameters()) {
     const at::Tensor value = item.value().detach().to(at::kCPU).contiguous();
-    tensors[item.key()] = {value.sizes().vec(),
+    tensors[stored_name(item.key())] = {value.sizes().vec(),
                            {value.data_ptr<float>(), value.data_ptr<float>() + value.numel()}};
   }
   return tensors;
@@ -46,14 +53,17 @@ void import_weights(torch::nn::Module& module, const TensorMap& tensors, const s
                     bool may_grow) {
   const at::NoGradGuard no_grad;
   auto parameters = module.named_parameters();
+  std::set<std::string> known;
   for (auto& item : parameters) {
-    const auto found = tensors.find(item.key());
+    const std::string name = stored_name(item.key());
+    known.insert(name);
+    const auto found = tensors.find(name);
     if (found == tensors.end())
-      throw DataError(in_file(place), "tensor \"" + item.key() + "\" is missing");
+      throw DataError(in_file(place), "tensor \"" + name + "\" is missing");
     const std::vector<std::int64_t> wanted = item.value().sizes().vec();
     const NamedTensor& stored = found->second;
     if (stored.shape != wanted && !(may_grow && only_more_rows(stored.shape, wanted)))
-      throw DataError(in_file(place), "tensor \"" + item.key() + "\" has shape " +
+      throw DataError(in_file(place), "tensor \"" + name + "\" has shape " +
                                           shape_text(stored.shape) + ", the config asks for " +
                                           shape_text(wanted));
     at::Tensor target = item.value();
@@ -61,7 +71,7 @@ void import_weights(torch::nn::Module& module, const TensorMap& tensors, const s
     target.copy_(at::from_blob(const_cast<float*>(stored.values.data()), stored.shape, at::kFloat));
   }
   for (const auto& [name, tensor] : tensors)
-    if (!parameters.contains(name))
+    if (known.count(name) == 0)
       throw DataError(in_file(place), "tensor \"" + name + "\" is not part of this model");
 }
 
