@@ -64,7 +64,9 @@ void PickleMachine::call(const PickleValue& function, const PickleValue& argumen
     push(make(PickleKind::array));
   } else if (ends_with(name, ".scalar") && items.size() == 2) {
     call_array(*items[1], *items[0], nullptr, nullptr);
-  } else if (ends_with(name, "._frombuffer") && items.size() == 4) {
+  } else if (ends_with(name, "._frombuffer") &&
+             (items.size() == 4 || (items.size() == 5 && items[4]->kind == PickleKind::none))) {
+    // The fifth, an order of axes, is for arrays that lie in memory in neither C nor Fortran order.
     call_array(*items[0], *items[1], items[2], items[3]);
   } else {
     fail("calls " + std::string(name) + " with " + std::to_string(items.size()) +

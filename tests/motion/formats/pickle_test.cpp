@@ -174,6 +174,25 @@ TEST(Pickle, HoldsObjectsThatContainThemselves) {
   EXPECT_EQ(pickle.root().items[0], &pickle.root());
 }
 
+// numpy 2.3 adds the order of axes to protocol 5's call.
+TEST(Pickle, ReadsBuffersWithAnOrderOfAxes) {
+  const auto pickle_with = [](const std::string& order, const std::string& axes) {
+    PickleWriter writer({5, "numpy._core", false, false, 8});
+    writer.global("numpy._core.numeric", "_frombuffer");
+    writer.raw("(");
+    writer.bytes(std::string(48, '\0'));
+    writer.dtype();
+    writer.raw("K\x02K\x03\x86");
+    writer.text(order);
+    writer.raw(axes + "tR");
+    return writer.finish();
+  };
+  const std::string good = pickle_with("C", "N");
+  EXPECT_EQ(shape_text(Pickle(good, "a.pkl").root().array), "(2, 3)");
+  EXPECT_TRUE(contains(message(pickle_with("K", "N")), "order"));
+  EXPECT_TRUE(contains(message(pickle_with("K", "K\x01K\x02\x86")), "5 arguments"));
+}
+
 TEST(Pickle, RefusesArraysThatDoNotMatchTheirData) {
   PickleStyle style;
   PickleWriter writer(style);
