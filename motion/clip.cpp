@@ -22,19 +22,24 @@ bool sane(double value) {
 void check_clip(const Clip& clip, const std::string& file) {
   if (clip.frames() == 0) throw DataError(in_file(file), "has no frames");
   if (clip.trans.rows() != clip.frames())
-    throw DataError(in_file(file), "has " + std::to_string(clip.frames()) + " frames of poses but " +
-                                       std::to_string(clip.trans.rows()) + " of translation");
+    throw DataError(in_file(file), "has " + std::to_string(clip.frames()) +
+                                       " frames of poses but " + std::to_string(clip.trans.rows()) +
+                                       " of translation");
   if (!std::isfinite(clip.fps) || clip.fps <= 0 || clip.fps > 10000)
-    throw DataError(in_file(file), "frame rate " + format_number(clip.fps) + ", expected between 0 and 10000 per second");
+    throw DataError(in_file(file), "frame rate " + format_number(clip.fps) +
+                                       ", expected between 0 and 10000 per second");
   for (Eigen::Index t = 0; t < clip.frames(); ++t) {
     for (Eigen::Index c = 0; c < 72; ++c)
       if (!sane(clip.poses(t, c)))
-        throw DataError(at_joint(file, static_cast<std::size_t>(t), joint_names()[static_cast<std::size_t>(c / 3)]),
-                        "rotation is " + format_number(clip.poses(t, c)) + ", expected a finite angle in radians");
+        throw DataError(at_joint(file, static_cast<std::size_t>(t),
+                                 joint_names()[static_cast<std::size_t>(c / 3)]),
+                        "rotation is " + format_number(clip.poses(t, c)) +
+                            ", expected a finite angle in radians");
     for (Eigen::Index c = 0; c < 3; ++c)
       if (!sane(clip.trans(t, c)))
-        throw DataError(at_frame(file, static_cast<std::size_t>(t)),
-                        "translation is " + format_number(clip.trans(t, c)) + ", expected finite metres");
+        throw DataError(
+            at_frame(file, static_cast<std::size_t>(t)),
+            "translation is " + format_number(clip.trans(t, c)) + ", expected finite metres");
   }
 }
 

@@ -1,5 +1,5 @@
-// Rotations: axis-angle (rotation vectors, radians), unit quaternions (w, x, y, z), matrices, Euler.
-// Every conversion is stable near angle 0 (series) and near pi (largest component).
+// Rotations: axis-angle (rotation vectors, radians), unit quaternions (w, x, y, z), matrices,
+// Euler. Every conversion is stable near angle 0 (series) and near pi (largest component).
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,8 @@ Eigen::Vector3d axis_angle_from_matrix(const Eigen::Matrix3d& matrix);
 // The nearest unit quaternion of a rotation matrix.
 Eigen::Quaterniond quaternion_from_matrix(const Eigen::Matrix3d& matrix);
 
-// Axes in the order in which they are written: {2, 0, 1} is ZXY, R = R_z(a0) R_x(a1) R_y(a2), radians.
+// Axes in the order in which they are written: {2, 0, 1} is ZXY, R = R_z(a0) R_x(a1) R_y(a2),
+// radians.
 using EulerOrder = std::array<int, 3>;
 Eigen::Matrix3d matrix_from_euler(const Eigen::Vector3d& angles, const EulerOrder& order);
 // Middle angle in [-pi/2, pi/2], the others in (-pi, pi]; at the gimbal lock the third angle is 0.
@@ -28,9 +29,10 @@ double geodesic_angle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
 // The shortest rotation that turns `from` into the direction of `to` (both non-zero).
 Eigen::Quaterniond shortest_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
-// The rotation vector of the same rotation (v + 2 pi k v/|v|) nearest to `previous` among those whose
-// components all lie in [-limit, limit]; `axis_angle` itself, made shortest, when no other one fits.
-Eigen::Vector3d continuous_axis_angle(const Eigen::Vector3d& axis_angle, const Eigen::Vector3d& previous,
-                                      double limit);
+// The rotation vector of the same rotation (v + 2 pi k v/|v|) nearest to `previous` among those
+// whose components all lie in [-limit, limit]; `axis_angle` itself, made shortest, when no other
+// one fits.
+Eigen::Vector3d continuous_axis_angle(const Eigen::Vector3d& axis_angle,
+                                      const Eigen::Vector3d& previous, double limit);
 
 }  // namespace mocaplm

@@ -31,7 +31,8 @@ class Scratch {
     std::filesystem::remove_all(folder_, ignored);
   }
   std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
-  // Plain and quick: no care for what was there (ext4 waits for the disk when a file is overwritten).
+  // Plain and quick: no care for what was there (ext4 waits for the disk when a file is
+  // overwritten).
   std::filesystem::path put(const std::string& name, const std::string& bytes) const {
     std::filesystem::remove(folder_ / name);
     std::ofstream(folder_ / name, std::ios::binary) << bytes;

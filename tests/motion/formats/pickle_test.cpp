@@ -174,7 +174,7 @@ TEST(Pickle, HoldsObjectsThatContainThemselves) {
   EXPECT_EQ(pickle.root().items[0], &pickle.root());
 }
 
-// numpy 2.3 adds the order of axes to protocol 5's call.
+// Newer numpy adds the order of axes to protocol 5's call.
 TEST(Pickle, ReadsBuffersWithAnOrderOfAxes) {
   const auto pickle_with = [](const std::string& order, const std::string& axes) {
     PickleWriter writer({5, "numpy._core", false, false, 8});
