@@ -86,5 +86,7 @@ void add_machine_options(CLI::App& app, std::string& device, int& threads);
 
 // Prints the table and, when `json_file` is not empty, writes its JSON there.
 void print_table(const Table& table, const std::string& json_file);
+// Several tables, as one JSON list.
+void print_tables(const std::vector<Table>& tables, const std::string& json_file);
 
 }  // namespace mocaplm

@@ -82,4 +82,14 @@ void print_table(const Table& table, const std::string& json_file) {
   if (!json_file.empty()) save_json(json_file, table.json());
 }
 
+void print_tables(const std::vector<Table>& tables, const std::string& json_file) {
+  Json all = Json::array();
+  for (const Table& table : tables) {
+    std::printf("%s\n", table.text().c_str());
+    all.push_back(table.json());
+  }
+  std::fflush(stdout);
+  if (!json_file.empty()) save_json(json_file, all);
+}
+
 }  // namespace mocaplm

@@ -6,6 +6,7 @@
 #include "common/error.h"
 #include "common/parallel.h"
 #include "motion/mirror.h"
+#include "tokenizer/conditions.h"
 
 namespace mocaplm {
 
@@ -19,11 +20,8 @@ CorpusClip encode_clip(const Clip& clip, const Tokenizer& tokenizer,
   out.name = clip.name;
   out.ids = tokenizer.encode(clip, &report).ids;
   out.values = clip.labels;
-  for (const std::string& label : conditions) {
-    const auto found = clip.labels.find(label);
-    const bool known = found != clip.labels.end() && tokenizer.knows(label, found->second);
-    out.labels.push_back(known ? tokenizer.label_id(label, found->second) : Tokenizer::kMask);
-  }
+  const std::vector<std::int32_t> prefix = condition_prefix(tokenizer, conditions, clip.labels);
+  out.labels.assign(prefix.begin() + 1, prefix.end());
   return out;
 }
 

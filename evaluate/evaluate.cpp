@@ -1,0 +1,160 @@
+#include "evaluate/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "common/error.h"
+#include "common/parallel.h"
+#include "common/progress.h"
+#include "common/text.h"
+#include "evaluate/likelihood.h"
+#include "model/transformer/setup.h"
+#include "model/transformer/weights.h"
+#include "motion/dataset.h"
+#include "motion/skeleton.h"
+#include "tokenizer/conditions.h"
+
+namespace mocaplm {
+
+namespace {
+
+bool chosen(const DatasetEntry& entry, const std::vector<std::string>& where) {
+  for (const std::string& text : where) {
+    const auto at = text.find('=');
+    if (at == std::string::npos) throw UsageError("--where " + text + ": expected label=value");
+    const auto found = entry.labels.find(text.substr(0, at));
+    if (found == entry.labels.end() || found->second != text.substr(at + 1)) return false;
+  }
+  return true;
+}
+
+std::string value_of(const DatasetEntry& entry, const std::string& label) {
+  if (label.empty()) return "";
+  const auto found = entry.labels.find(label);
+  return found == entry.labels.end() ? "(none)" : found->second;
+}
+
+struct EncodedSplit {
+  std::vector<DatasetEntry> entries;
+  std::vector<ScoredClip> clips;
+};
+
+EncodedSplit encode(const Dataset& dataset, const EvaluateOptions& options,
+                    const std::string& split, const Tokenizer& tokenizer,
+                    const std::vector<std::string>& conditions) {
+  EncodedSplit out;
+  for (const DatasetEntry& entry : dataset.split(split))
+    if (chosen(entry, options.where)) out.entries.push_back(entry);
+  if (out.entries.empty())
+    throw DataError(in_file(dataset.directory.string()),
+                    "no clip in split \"" + split + "\"" +
+                        (options.where.empty() ? "" : " with " + join(options.where, ", ")));
+  out.clips.resize(out.entries.size());
+  parallel_for(out.entries.size(), options.threads, [&](std::size_t i) {
+    const Clip clip = load_clip(dataset, out.entries[i]);
+    out.clips[i].ids = tokenizer.encode(clip).ids;
+    out.clips[i].prefix =
+        condition_prefix(tokenizer, conditions, options.conditions ? clip.labels : Labels());
+  });
+  return out;
+}
+
+// Columns of one table: what each of the models and baselines spends.
+struct Columns {
+  BitCount model;
+  std::vector<BitCount> orders = std::vector<BitCount>(Baselines::kOrders);
+};
+
+Json per_frame(const BitCount& count, int first, int channels) {
+  return count.per_frame(first, channels);
+}
+
+void add_row(Table& table, const std::string& name, const Columns& columns, int first,
+             int channels) {
+  std::vector<Json> cells = {name, channels, per_frame(columns.model, first, channels)};
+  for (const BitCount& order : columns.orders) cells.push_back(per_frame(order, first, channels));
+  table.row(cells);
+}
+
+Table make_table(const std::string& title, const Columns& columns, const Tokenizer& tokenizer) {
+  Table table(title, {"bits/frame", "channels", "model", "order 0", "order 1", "order 2"});
+  table.digits({-1, -1, 2, 2, 2, 2});
+  const int channels = tokenizer.channels(), rotations = tokenizer.rotation_channels();
+  add_row(table, "total", columns, 0, channels);
+  add_row(table, "rotations", columns, 0, rotations);
+  if (channels > rotations)
+    add_row(table, "root translation", columns, rotations, channels - rotations);
+  for (std::size_t j = 0; j < tokenizer.joints().size(); ++j)
+    add_row(table, joint_names()[static_cast<std::size_t>(tokenizer.joints()[j])], columns,
+            static_cast<int>(3 * j), 3);
+  std::vector<Json> tokens = {"bits/token", 1, columns.model.per_frame(0, channels) / channels};
+  for (const BitCount& order : columns.orders)
+    tokens.push_back(order.per_frame(0, channels) / channels);
+  table.row(tokens);
+  table.note(
+      std::to_string(columns.model.frames) + " frames at " + format_number(tokenizer.config().fps) +
+      " per second; separators, which cost the model " +
+      format_fixed(columns.model.per_frame(channels, 1), 4) + " bits/frame, are not counted");
+  return table;
+}
+
+}  // namespace
+
+std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
+  set_up_cpu(options.threads);
+  const std::string place = resolve_model(options.model).string();
+  const StoredModel stored = load_model(options.model);
+  const Tokenizer tokenizer = Tokenizer::from_json(stored.tokenizer, place + "/tokenizer.json");
+  if (tokenizer.fingerprint() != stored.description.tokenizer_fingerprint)
+    throw DataError(in_file(place),
+                    "tokenizer.json is not the tokenizer that this model was trained with");
+  const auto model = load_transformer(stored, place);
+  const at::Device device = choose_device(options.device);
+  model->to(device);
+  model->set_precision(choose_precision(options.precision, device));
+
+  const Dataset dataset = load_dataset(options.data);
+  if (!options.by.empty()) {
+    const auto names = dataset.label_names();
+    if (std::find(names.begin(), names.end(), options.by) == names.end())
+      throw UsageError("--by: no clip has the label \"" + options.by + "\"" +
+                       did_you_mean(options.by, names));
+  }
+  const EncodedSplit train = encode(dataset, options, "train", tokenizer, {});
+  const EncodedSplit test =
+      encode(dataset, options, options.split, tokenizer, stored.description.conditions);
+
+  Progress bar("evaluate", 0, "windows");
+  const std::vector<BitCount> scores =
+      score_clips(*model, test.clips, 16, [&](std::size_t done, std::size_t) { bar.update(done); });
+  bar.finish();
+
+  std::map<std::string, Baselines> baselines;
+  for (std::size_t i = 0; i < train.clips.size(); ++i)
+    baselines
+        .try_emplace(value_of(train.entries[i], options.by), tokenizer.channels(), tokenizer.bins())
+        .first->second.add(stream_bins(tokenizer, train.clips[i].ids));
+  std::map<std::string, Columns> groups;
+  for (std::size_t i = 0; i < test.clips.size(); ++i) {
+    const std::string value = value_of(test.entries[i], options.by);
+    Columns& columns = groups[value];
+    columns.model.add(scores[i]);
+    const auto fitted = baselines.find(value);
+    if (fitted == baselines.end())
+      throw DataError(in_file(options.data.string()),
+                      "no training clip has " + options.by + " " + value +
+                          ": the baselines cannot be fitted for it");
+    for (int order = 0; order < Baselines::kOrders; ++order)
+      columns.orders[static_cast<std::size_t>(order)].add(
+          fitted->second.score(order, stream_bins(tokenizer, test.clips[i].ids)));
+  }
+  std::vector<Table> tables;
+  for (const auto& [value, columns] : groups)
+    tables.push_back(make_table(
+        "split " + options.split + (options.by.empty() ? "" : ", " + options.by + " " + value),
+        columns, tokenizer));
+  return tables;
+}
+
+}  // namespace mocaplm

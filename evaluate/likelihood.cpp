@@ -1,0 +1,100 @@
+#include "evaluate/likelihood.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mocaplm {
+
+namespace {
+
+// A window of whole frames [first, last) of one clip, of which [scored, last) count.
+struct Piece {
+  std::size_t clip, first, scored, last;
+};
+
+std::vector<Piece> cut(const std::vector<ScoredClip>& clips, const ModelDescription& model) {
+  const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
+  std::vector<Piece> pieces;
+  for (std::size_t c = 0; c < clips.size(); ++c) {
+    const std::size_t room =
+        (static_cast<std::size_t>(model.config.block_size) - clips[c].prefix.size()) / per_frame;
+    const std::size_t frames = clips[c].ids.size() / per_frame;
+    for (std::size_t first = 0, scored = 0; scored < frames;
+         first += std::max<std::size_t>(room / 2, 1)) {
+      const std::size_t last = std::min(first + room, frames);
+      pieces.push_back({c, first, scored, last});
+      scored = last;
+    }
+  }
+  // Windows of like length share a batch, so that little is padding.
+  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+    return a.last - a.first > b.last - b.first;
+  });
+  return pieces;
+}
+
+ModelInput padded_input(const ModelDescription& model, const ScoredClip& clip, const Piece& piece,
+                        std::size_t length) {
+  const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
+  const std::size_t first = piece.first * per_frame;
+  // The last token predicts nothing that is scored.
+  ModelInput input =
+      window_input(model, clip.prefix, clip.ids, first, (piece.last - piece.first) * per_frame - 1);
+  while (input.size() < length) append_prefix(input, model, 0, false, clip.ids, first);
+  return input;
+}
+
+std::vector<std::int32_t> padded_target(const ModelDescription& model, const ScoredClip& clip,
+                                        const Piece& piece, std::size_t length) {
+  const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
+  std::vector<std::int32_t> target(length, -1);
+  for (std::size_t i = piece.scored * per_frame; i < piece.last * per_frame; ++i)
+    target[clip.prefix.size() - 1 + i - piece.first * per_frame] = clip.ids[i];
+  return target;
+}
+
+}  // namespace
+
+std::vector<BitCount> score_clips(Transformer& model, const std::vector<ScoredClip>& clips,
+                                  std::int64_t windows_at_once,
+                                  const std::function<void(std::size_t, std::size_t)>& progress) {
+  const at::NoGradGuard no_grad;
+  model.eval();
+  const ModelDescription& d = model.description();
+  const auto per_frame = static_cast<std::size_t>(d.shape.tokens_per_frame());
+  const at::Device device = model.parameters().front().device();
+  const std::vector<Piece> pieces = cut(clips, d);
+  std::vector<BitCount> counts(clips.size());
+  for (std::size_t c = 0; c < clips.size(); ++c) {
+    counts[c].frames = static_cast<std::int64_t>(clips[c].ids.size() / per_frame);
+    counts[c].bits.assign(per_frame, 0);
+  }
+  const auto at_once = static_cast<std::size_t>(windows_at_once);
+  for (std::size_t i = 0; i < pieces.size(); i += at_once) {
+    const std::size_t end = std::min(i + at_once, pieces.size());
+    std::size_t length = 0;
+    for (std::size_t p = i; p < end; ++p)
+      length = std::max(length, clips[pieces[p].clip].prefix.size() +
+                                    (pieces[p].last - pieces[p].first) * per_frame - 1);
+    std::vector<ModelInput> inputs;
+    std::vector<std::vector<std::int32_t>> targets;
+    for (std::size_t p = i; p < end; ++p) {
+      inputs.push_back(padded_input(d, clips[pieces[p].clip], pieces[p], length));
+      targets.push_back(padded_target(d, clips[pieces[p].clip], pieces[p], length));
+    }
+    const Batch batch = stack(inputs, targets).to(device);
+    const at::Tensor nats = model.loss(model.hidden(batch), batch).to(at::kCPU).contiguous();
+    for (std::size_t p = i; p < end; ++p) {
+      const Piece& piece = pieces[p];
+      const float* row =
+          nats.data_ptr<float>() + (p - i) * length + clips[piece.clip].prefix.size() - 1;
+      for (std::size_t t = (piece.scored - piece.first) * per_frame;
+           t < (piece.last - piece.first) * per_frame; ++t)
+        counts[piece.clip].bits[t % per_frame] += row[t] / std::log(2.0);
+    }
+    if (progress) progress(end, pieces.size());
+  }
+  return counts;
+}
+
+}  // namespace mocaplm
