@@ -8,6 +8,7 @@
 
 #include "app/options.h"
 #include "common/error.h"
+#include "common/text.h"
 
 namespace mocaplm {
 
@@ -45,6 +46,23 @@ void add_commands_with_torch(CLI::App& app) {
   }
 }
 
+namespace {
+
+// What to say when the first word names no command; "" when it does or is an option.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return "";
+  const std::string given = argv[1];
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name() == given) return "";
+    names.push_back(command->get_name());
+  }
+  return "there is no command \"" + given + "\"" + did_you_mean(given, names) +
+         " (commands: " + join(names, ", ") + ")";
+}
+
+}  // namespace
+
 int run(CLI::App& app, int argc, char** argv) {
   g_argv = argv;
   app.require_subcommand(1);
@@ -55,11 +73,15 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
+    const std::string unknown = unknown_command(app, argc, argv);
+    if (!unknown.empty()) return report(ExitCode::usage, unknown);
     std::fprintf(stderr, "mocaplm: %s\nTry 'mocaplm --help' or 'mocaplm COMMAND --help'.\n",
                  error.what());
     return static_cast<int>(ExitCode::usage);
   } catch (const Error& error) {
     return report(error.code(), error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(ExitCode::data, error.path1().string() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {
     return report(ExitCode::data, "out of memory: the input is too large for this machine");
   } catch (const std::exception& error) {

@@ -9,7 +9,8 @@ namespace mocaplm {
 
 enum class ExitCode { ok = 0, internal = 1, usage = 2, data = 3 };
 
-// The base of every error this program raises on purpose; `what()` is a whole sentence for the user.
+// The base of every error this program raises on purpose; `what()` is a whole sentence for the
+// user.
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

@@ -23,18 +23,20 @@ std::string reason() {
 
 fs::path beside(const fs::path& path, const char* suffix) {
   fs::path plain = path.has_filename() ? path : path.parent_path();
-  return plain.parent_path() / ("." + plain.filename().string() + "." + suffix + std::to_string(::getpid()));
+  return plain.parent_path() /
+         ("." + plain.filename().string() + "." + suffix + std::to_string(::getpid()));
 }
 
 void make_parent(const fs::path& path) {
   std::error_code error;
   const fs::path parent = path.parent_path();
   if (!parent.empty()) fs::create_directories(parent, error);
-  if (error) throw DataError(in_file(parent.string()), "cannot create the folder: " + error.message());
+  if (error)
+    throw DataError(in_file(parent.string()), "cannot create the folder: " + error.message());
 }
 
-// Puts `fresh` in the place of `path`; what was there ends up at `old`. In one step where the file system
-// can exchange two names, so that no moment exists without a folder at `path`.
+// Puts `fresh` in the place of `path`; what was there ends up at `old`. In one step where the file
+// system can exchange two names, so that no moment exists without a folder at `path`.
 void swap_in(const fs::path& fresh, const fs::path& path, const fs::path& old) {
   if (fs::exists(path)) {
     if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, path.c_str(), RENAME_EXCHANGE) == 0) {
@@ -58,8 +60,10 @@ std::uintmax_t size_of_file(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) throw DataError(in_file(path.string()), "no such file");
-  if (fs::is_directory(status)) throw DataError(in_file(path.string()), "is a folder, expected a file");
-  if (!fs::is_regular_file(status)) throw DataError(in_file(path.string()), "is not a regular file");
+  if (fs::is_directory(status))
+    throw DataError(in_file(path.string()), "is a folder, expected a file");
+  if (!fs::is_regular_file(status))
+    throw DataError(in_file(path.string()), "is not a regular file");
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) throw DataError(in_file(path.string()), "cannot be read: " + error.message());
   return size;
@@ -71,7 +75,8 @@ std::string read_bytes(const fs::path& path, std::uintmax_t count) {
   std::string bytes(count, '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(count));
   if (static_cast<std::uintmax_t>(in.gcount()) != count)
-    throw DataError(at_byte(path.string(), static_cast<std::size_t>(in.gcount())), "reading stopped: " + reason());
+    throw DataError(at_byte(path.string(), static_cast<std::size_t>(in.gcount())),
+                    "reading stopped: " + reason());
   return bytes;
 }
 
@@ -80,7 +85,8 @@ std::string read_bytes(const fs::path& path, std::uintmax_t count) {
 std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
   const std::uintmax_t size = size_of_file(path);
   if (size > max_bytes)
-    throw DataError(in_file(path.string()), "has " + std::to_string(size) + " bytes, more than the limit of " +
+    throw DataError(in_file(path.string()), "has " + std::to_string(size) +
+                                                " bytes, more than the limit of " +
                                                 std::to_string(max_bytes));
   return read_bytes(path, size);
 }
@@ -100,7 +106,8 @@ void write_file(const fs::path& path, std::string_view bytes) {
 
 void write_file_with(const fs::path& path, const std::function<void(const fs::path&)>& fill) {
   make_parent(path);
-  if (fs::is_directory(path)) throw DataError(in_file(path.string()), "is a folder, cannot write a file there");
+  if (fs::is_directory(path))
+    throw DataError(in_file(path.string()), "is a folder, cannot write a file there");
   const fs::path temporary = beside(path, "new");
   try {
     fill(temporary);
@@ -115,14 +122,17 @@ void write_file_with(const fs::path& path, const std::function<void(const fs::pa
   }
 }
 
-void write_directory_with(const fs::path& path, const std::function<bool(const fs::path&)>& may_replace,
+void write_directory_with(const fs::path& path,
+                          const std::function<bool(const fs::path&)>& may_replace,
                           const std::function<void(const fs::path&)>& fill) {
   make_parent(path);
   if (fs::exists(path)) {
-    if (!fs::is_directory(path)) throw DataError(in_file(path.string()), "is a file, expected a folder");
+    if (!fs::is_directory(path))
+      throw DataError(in_file(path.string()), "is a file, expected a folder");
     if (!fs::is_empty(path) && !may_replace(path))
-      throw DataError(in_file(path.string()),
-                      "is not empty and was not made by this command; give another folder or remove it");
+      throw DataError(
+          in_file(path.string()),
+          "is not empty and was not made by this command; give another folder or remove it");
   }
   const fs::path temporary = beside(path, "new"), old = beside(path, "old");
   std::error_code ignored;

@@ -12,22 +12,24 @@ namespace mocaplm {
 // The largest file read into memory at once; larger ones are refused by name.
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
 
-// Returns the file's bytes. Throws DataError when it is missing, a directory, unreadable or too large.
+// Returns the file's bytes. Throws DataError when it is missing, a directory, unreadable or too
+// large.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = kMaxFileBytes);
 
 // The first bytes, at most `count`, of a file of any size: enough to tell one format from another.
 std::string read_head(const std::filesystem::path& path, std::uintmax_t count);
 
-// Writes beside `path` and renames over it, so a reader sees the old file or the new one, never half of
-// one. Creates the parent directory. Throws DataError when the disk refuses.
+// Writes beside `path` and renames over it, so a reader sees the old file or the new one, never
+// half of one. Creates the parent directory. Throws DataError when the disk refuses.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 // The same for a writer that needs a path of its own (libzip): `fill` writes the temporary file.
 void write_file_with(const std::filesystem::path& path,
                      const std::function<void(const std::filesystem::path&)>& fill);
 
-// Fills `temporary` (a fresh directory beside `path`), then swaps it in for `path`. An old directory is
-// replaced only when `may_replace(path)` is true or it is empty; otherwise DataError, nothing touched.
+// Fills `temporary` (a fresh directory beside `path`), then swaps it in for `path`. An old
+// directory is replaced only when `may_replace(path)` is true or it is empty; otherwise DataError,
+// nothing touched.
 void write_directory_with(const std::filesystem::path& path,
                           const std::function<bool(const std::filesystem::path&)>& may_replace,
                           const std::function<void(const std::filesystem::path&)>& fill);

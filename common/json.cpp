@@ -11,11 +11,15 @@ namespace mocaplm {
 Json parse_json(const std::string& text, const std::string& name) {
   try {
     return Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    // The library's text has "at line 3, column 7: ..."; its prefix with an error number helps nobody.
+  } catch (const Json::exception& error) {  // also numbers such as 1e999
+    // The library's text has "at line 3, column 7: ..." or "[json.exception...] ..."; its prefix
+    // with an error number helps nobody.
     const std::string what = error.what();
-    const auto at = what.find("at line ");
-    throw DataError(in_file(name), "is not valid JSON " + (at == std::string::npos ? what : what.substr(at)));
+    const auto at = what.find("at line "), end = what.find("] ");
+    throw DataError(in_file(name), at != std::string::npos ? "is not valid JSON " + what.substr(at)
+                                   : end != std::string::npos
+                                       ? "is not valid JSON: " + what.substr(end + 2)
+                                       : "is not valid JSON: " + what);
   }
 }
 
@@ -27,8 +31,11 @@ void save_json(const std::filesystem::path& path, const Json& json) {
   write_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-JsonObject::JsonObject(const Json& json, std::string place) : json_(json), place_(std::move(place)) {
-  if (!json_.is_object()) throw DataError(in_file(place_), std::string("expected a JSON object, found ") + json_.type_name());
+JsonObject::JsonObject(const Json& json, std::string place)
+    : json_(json), place_(std::move(place)) {
+  if (!json_.is_object())
+    throw DataError(in_file(place_),
+                    std::string("expected a JSON object, found ") + json_.type_name());
 }
 
 void JsonObject::fail(const std::string& key, const std::string& message) const {
@@ -54,11 +61,14 @@ const Json& JsonObject::raw(const std::string& key) {
 std::int64_t JsonObject::integer(const std::string& key, std::int64_t min, std::int64_t max) {
   const Json& value = raw(key);
   const bool too_large = value.is_number_unsigned() &&
-                         value.get<std::uint64_t>() > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-  if (!value.is_number_integer() || too_large) fail(key, "expected a whole number, found " + value.dump());
+                         value.get<std::uint64_t>() >
+                             static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  if (!value.is_number_integer() || too_large)
+    fail(key, "expected a whole number, found " + value.dump());
   const auto number = value.get<std::int64_t>();
   if (number < min || number > max)
-    fail(key, "expected " + std::to_string(min) + " to " + std::to_string(max) + ", found " + value.dump());
+    fail(key, "expected " + std::to_string(min) + " to " + std::to_string(max) + ", found " +
+                  value.dump());
   return number;
 }
 
@@ -67,7 +77,8 @@ double JsonObject::number(const std::string& key, double min, double max) {
   if (!value.is_number()) fail(key, "expected a number, found " + value.dump());
   const double number = value.get<double>();
   if (!std::isfinite(number) || number < min || number > max)
-    fail(key, "expected " + format_number(min) + " to " + format_number(max) + ", found " + value.dump());
+    fail(key, "expected " + format_number(min) + " to " + format_number(max) + ", found " +
+                  value.dump());
   return number;
 }
 
@@ -126,7 +137,8 @@ std::vector<std::string> JsonObject::keys() const {
 void JsonObject::finish() const {
   const std::vector<std::string> allowed(known_.begin(), known_.end());
   for (const auto& item : json_.items())
-    if (known_.count(item.key()) == 0) fail(item.key(), "unknown key" + did_you_mean(item.key(), allowed));
+    if (known_.count(item.key()) == 0)
+      fail(item.key(), "unknown key" + did_you_mean(item.key(), allowed));
 }
 
 }  // namespace mocaplm

@@ -1,4 +1,5 @@
-// Strict JSON: every key is known, every number is finite and in its range, every error names the key.
+// Strict JSON: every key is known, every number is finite and in its range, every error names the
+// key.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,8 @@ class JsonObject {
   JsonObject(const Json& json, std::string place);
 
   bool has(const std::string& key);
-  std::int64_t integer(const std::string& key, std::int64_t min = std::numeric_limits<std::int64_t>::min(),
+  std::int64_t integer(const std::string& key,
+                       std::int64_t min = std::numeric_limits<std::int64_t>::min(),
                        std::int64_t max = std::numeric_limits<std::int64_t>::max());
   double number(const std::string& key, double min = -std::numeric_limits<double>::max(),
                 double max = std::numeric_limits<double>::max());

@@ -36,8 +36,10 @@ std::string Progress::line(const std::string& note) const {
     text += "[" + std::string(full, '#') + std::string(width - full, '.') + "] ";
   }
   text += std::to_string(done_) + (total_ > 0 ? "/" + std::to_string(total_) : "") + " " + unit_;
-  text += ", " + format_number(rate < 100 ? static_cast<double>(static_cast<long>(rate * 100)) / 100
-                                          : static_cast<double>(static_cast<long>(rate))) + "/s";
+  text += ", " +
+          format_number(rate < 100 ? static_cast<double>(static_cast<long>(rate * 100)) / 100
+                                   : static_cast<double>(static_cast<long>(rate))) +
+          "/s";
   if (total_ > done_ && done_ > 0)
     text += ", " + format_duration(static_cast<double>(total_ - done_) / rate) + " left";
   else

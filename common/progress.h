@@ -1,5 +1,6 @@
-// One progress bar for all long work: a moving line with rate and time left on a terminal, and a plain
-// line every `plain_seconds` elsewhere (a log file never sees a carriage return). Writes to stderr.
+// One progress bar for all long work: a moving line with rate and time left on a terminal, and a
+// plain line every `plain_seconds` elsewhere (a log file never sees a carriage return). Writes to
+// stderr.
 #pragma once
 
 #include <chrono>

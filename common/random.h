@@ -34,7 +34,8 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-// A 64-bit hash of text that is the same everywhere (FNV-1a with a final mix), for seeds and fingerprints.
+// A 64-bit hash of text that is the same everywhere (FNV-1a with a final mix), for seeds and
+// fingerprints.
 std::uint64_t stable_hash(const std::string& text, std::uint64_t seed = 0);
 std::string hex(std::uint64_t value);
 

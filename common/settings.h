@@ -7,7 +7,8 @@
 //     }
 //   };
 //
-// The visitors below read it from JSON, write it to JSON and list it; app/options.h binds it to CLI11.
+// The visitors below read it from JSON, write it to JSON and list it; app/options.h binds it to
+// CLI11.
 #pragma once
 
 #include <string>
@@ -22,7 +23,8 @@ namespace mocaplm {
 class ReadSettings {
  public:
   explicit ReadSettings(JsonObject& object) : object_(object) {}
-  void integer(const char* key, std::int64_t& value, std::int64_t min, std::int64_t max, const char*) {
+  void integer(const char* key, std::int64_t& value, std::int64_t min, std::int64_t max,
+               const char*) {
     if (object_.has(key)) value = object_.integer(key, min, max);
   }
   void number(const char* key, double& value, double min, double max, const char*) {
@@ -31,7 +33,8 @@ class ReadSettings {
   void boolean(const char* key, bool& value, const char*) {
     if (object_.has(key)) value = object_.boolean(key);
   }
-  void choice(const char* key, std::string& value, const std::vector<std::string>& allowed, const char*) {
+  void choice(const char* key, std::string& value, const std::vector<std::string>& allowed,
+              const char*) {
     if (object_.has(key)) value = object_.choice(key, allowed);
   }
   void text(const char* key, std::string& value, const char*) {
@@ -48,10 +51,14 @@ class ReadSettings {
 class WriteSettings {
  public:
   explicit WriteSettings(Json& json) : json_(json) {}
-  void integer(const char* key, std::int64_t& value, std::int64_t, std::int64_t, const char*) { json_[key] = value; }
+  void integer(const char* key, std::int64_t& value, std::int64_t, std::int64_t, const char*) {
+    json_[key] = value;
+  }
   void number(const char* key, double& value, double, double, const char*) { json_[key] = value; }
   void boolean(const char* key, bool& value, const char*) { json_[key] = value; }
-  void choice(const char* key, std::string& value, const std::vector<std::string>&, const char*) { json_[key] = value; }
+  void choice(const char* key, std::string& value, const std::vector<std::string>&, const char*) {
+    json_[key] = value;
+  }
   void text(const char* key, std::string& value, const char*) { json_[key] = value; }
   void texts(const char* key, std::vector<std::string>& value, const char*) { json_[key] = value; }
 

@@ -35,7 +35,8 @@ std::string Table::cell(std::size_t column, const Json& value) const {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_number_float()) return value.dump();
   const int digits = column < digits_.size() ? digits_[column] : -1;
-  return digits < 0 ? format_number(value.get<double>()) : format_fixed(value.get<double>(), digits);
+  return digits < 0 ? format_number(value.get<double>())
+                    : format_fixed(value.get<double>(), digits);
 }
 
 std::string Table::text() const {
@@ -53,7 +54,8 @@ std::string Table::text() const {
   }
   out += "\n" + rule + "\n";
   for (const auto& cells : rows_) {
-    for (std::size_t c = 0; c < columns_.size(); ++c) out += (c ? "  " : "") + pad(cell(c, cells[c]), widths[c], c == 0);
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      out += (c ? "  " : "") + pad(cell(c, cells[c]), widths[c], c == 0);
     out += "\n";
   }
   for (const std::string& note : notes_) out += note + "\n";
