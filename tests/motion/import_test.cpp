@@ -1,0 +1,270 @@
+#include "motion/import.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "common/error.h"
+#include "common/files.h"
+#include "motion/formats/bvh.h"
+#include "motion/formats/npz.h"
+#include "motion/helpers.h"
+#include "motion/skeleton.h"
+#include "temporary_folder.h"
+
+namespace fs = std::filesystem;
+
+namespace mocaplm {
+namespace {
+
+class ImportTest : public ::testing::Test {
+ protected:
+  void write(const std::string& path, int seed, Eigen::Index frames = 12, double fps = 30) {
+    Random random(static_cast<std::uint64_t>(seed));
+    fs::create_directories((in_ / path).parent_path());
+    write_npz(in_ / path, random_clip(random, frames, fps));
+  }
+  ImportReport import(const ImportConfig& config = {}) { return import_motion(config, job()); }
+  ImportJob job() {
+    ImportJob job;
+    job.sources = {in_.path().string()};
+    job.out = out();
+    job.existing = existing_;
+    job.strict = strict_;
+    job.threads = threads_;
+    return job;
+  }
+  fs::path out() const { return out_ / "set"; }
+  std::map<std::string, DatasetEntry> entries() const {
+    std::map<std::string, DatasetEntry> all;
+    for (const DatasetEntry& entry : load_dataset(out()).entries) all[entry.name] = entry;
+    return all;
+  }
+
+  TemporaryFolder in_, out_;
+  Existing existing_ = Existing::refuse;
+  bool strict_ = false;
+  std::int64_t threads_ = 2;
+};
+
+TEST_F(ImportTest, FoldersAreSearchedAndNamesStayApart) {
+  write("salsa/01.npz", 1);
+  write("salsa/02.npz", 2);
+  write("indian/02.npz", 3);
+  write("walk.npz", 4);
+  write("deep/er/shape.npz", 5);
+  write_file(in_ / "readme.txt", "x");
+  const ImportReport report = import();
+  EXPECT_EQ(report.imported, 4u);
+  EXPECT_EQ(report.ignored, 2u);
+  const auto all = entries();
+  EXPECT_EQ(
+      all.count("walk") + all.count("salsa_01") + all.count("salsa_02") + all.count("indian_02"),
+      4u);
+  const Dataset dataset = load_dataset(out());
+  for (const DatasetEntry& entry : dataset.entries)
+    EXPECT_EQ(load_clip(dataset, entry).frames(), 12);
+}
+
+TEST_F(ImportTest, LabelsFromNamesFoldersExpressionsAndTables) {
+  write("d/gWA_sBM_cAll_d26_mWA2_ch03.npz", 1);
+  write("d/dataset-1_bow_happy_001.npz", 2);
+  write_file(in_ / "t.csv",
+             "file,style,mood\nd/dataset-1_bow_happy_001.bvh,proud,\n"
+             "dataset-1_bow_happy_001,calm,blue\nelse.npz,x,y\n");
+  ImportConfig config;
+  config.label_from_dir = "folder";
+  config.label_regex = "^dataset-\\d_(?<content>[a-z-]+)_(?<style>[a-z-]+)_";
+  config.label_csv = (in_ / "t.csv").string();
+  const ImportReport report = import(config);
+  const auto all = entries();
+  EXPECT_EQ(all.at("gWA_sBM_cAll_d26_mWA2_ch03").labels, (Labels{{"genre", "waack"},
+                                                                 {"situation", "basic"},
+                                                                 {"dancer", "d26"},
+                                                                 {"music", "mWA2"},
+                                                                 {"choreography", "ch03"},
+                                                                 {"folder", "d"}}));
+  // ".bvh" in the table is not this file: the row without an extension is.
+  EXPECT_EQ(all.at("dataset-1_bow_happy_001").labels,
+            (Labels{{"folder", "d"}, {"content", "bow"}, {"style", "calm"}, {"mood", "blue"}}));
+  EXPECT_EQ(report.warnings.size(), 3u);
+}
+
+TEST_F(ImportTest, RatesAndLeadingFramesFromTheTable) {
+  write("a.npz", 1, 20, 120);
+  write("b.npz", 2, 20, 120);
+  write_file(in_ / "t.csv", "file,true,intro,style\na.npz,60,10,happy\nb.npz,,,\n");
+  ImportConfig config;
+  config.label_csv = (in_ / "t.csv").string();
+  config.csv_fps = "true";
+  config.csv_drop_first = "intro";
+  config.drop_first = 1;
+  import(config);
+  const auto all = entries();
+  EXPECT_EQ(all.at("a").fps, 60);
+  EXPECT_EQ(all.at("a").frames, 10);
+  EXPECT_EQ(all.at("a").labels, (Labels{{"style", "happy"}}));
+  EXPECT_EQ(all.at("b").fps, 120);
+  EXPECT_EQ(all.at("b").frames, 19);
+  // The frames are the last ones, bit for bit.
+  const Dataset dataset = load_dataset(out());
+  EXPECT_EQ(load_clip(dataset, all.at("a")).poses, read_npz(in_ / "a.npz").poses.bottomRows(10));
+
+  existing_ = Existing::replace;
+  write_file(in_ / "t.csv", "file,true,intro\na.npz,60 Hz,10\n");
+  EXPECT_THROW(import(config), DataError);
+  config.csv_fps = "treu";
+  EXPECT_THROW(import(config), DataError);
+  config.label_csv = "";
+  EXPECT_THROW(import(config), UsageError);
+}
+
+TEST_F(ImportTest, BrokenFilesAreNamedAndTheOthersWritten) {
+  write("a.npz", 1);
+  write("b.npz", 2);
+  write_file(in_ / "broken.npz", read_file(in_ / "a.npz").substr(0, 900));
+  write_file(in_ / "empty.bvh", "");
+  const ImportReport report = import();
+  EXPECT_EQ(report.imported, 2u);
+  ASSERT_EQ(report.broken.size(), 2u);
+  EXPECT_NE(report.broken[0].reason.find("broken.npz"), std::string::npos);
+  EXPECT_NE(report.broken[1].reason.find("empty.bvh"), std::string::npos);
+  EXPECT_EQ(entries().size(), 2u);
+}
+
+TEST_F(ImportTest, StrictWritesNothing) {
+  write("a.npz", 1);
+  write_file(in_ / "broken.npz", "nothing");
+  strict_ = true;
+  EXPECT_THROW(import(), DataError);
+  EXPECT_FALSE(fs::exists(out()));
+  EXPECT_TRUE(fs::is_empty(out_.path()));
+  strict_ = false;
+  fs::remove(in_ / "a.npz");
+  EXPECT_THROW(import(), DataError);  // nothing sound is left
+  EXPECT_TRUE(fs::is_empty(out_.path()));
+}
+
+TEST_F(ImportTest, CopiesShareAGroup) {
+  for (int i = 0; i < 20; ++i) write("c" + std::to_string(i) + ".npz", i);
+  write("copy.npz", 3);
+  write("again.npz", 3);
+  const ImportReport report = import();
+  EXPECT_EQ(report.duplicates, (std::vector<std::vector<std::string>>{{"again", "c3", "copy"}}));
+  const auto all = entries();
+  EXPECT_EQ(all.at("copy").group, all.at("c3").group);
+  EXPECT_EQ(all.at("copy").split, all.at("c3").split);
+}
+
+TEST_F(ImportTest, GroupsByExpressionOrTable) {
+  for (int i = 1; i <= 9; ++i) write("s" + std::to_string(i) + "_x.npz", i);
+  ImportConfig config;
+  config.group = "s([1-3])?";
+  import(config);
+  EXPECT_EQ(entries().at("s2_x").group, "2");
+  EXPECT_EQ(entries().at("s7_x").group, "s7_x");
+
+  existing_ = Existing::replace;
+  write_file(in_ / "g.csv", "file,group\ns1_x.npz,pair\ns9_x,pair\n");
+  config.group = (in_ / "g.csv").string();
+  import(config);
+  EXPECT_EQ(entries().at("s1_x").group, "pair");
+  EXPECT_EQ(entries().at("s9_x").split, entries().at("s1_x").split);
+  EXPECT_EQ(entries().at("s2_x").group, "s2_x");
+}
+
+TEST_F(ImportTest, AppendKeepsTheOldSplitsAndClips) {
+  for (int i = 0; i < 12; ++i) write("c" + std::to_string(i) + ".npz", i);
+  import();
+  const auto before = entries();
+  EXPECT_THROW(import(), UsageError);
+  for (int i = 0; i < 12; ++i) fs::remove(in_ / ("c" + std::to_string(i) + ".npz"));
+  write("new/c3.npz", 100);
+  write("new/copy.npz", 5);
+  existing_ = Existing::append;
+  const ImportReport report = import();
+  EXPECT_EQ(report.imported, 2u);
+  EXPECT_EQ(report.duplicates, (std::vector<std::vector<std::string>>{{"c5", "new_copy"}}));
+  const auto after = entries();
+  EXPECT_EQ(after.size(), 14u);
+  EXPECT_EQ(after.count("new_c3"), 1u);
+  for (const auto& [name, entry] : before) EXPECT_EQ(after.at(name).split, entry.split);
+  EXPECT_EQ(after.at("new_copy").split, before.at("c5").split);
+}
+
+TEST_F(ImportTest, TheSameBytesWithAnyNumberOfThreads) {
+  for (int i = 0; i < 9; ++i) write("c" + std::to_string(i) + ".npz", i);
+  import();
+  const std::string once = read_file(out() / "dataset.json");
+  existing_ = Existing::replace;
+  threads_ = 1;
+  import();
+  EXPECT_EQ(read_file(out() / "dataset.json"), once);
+}
+
+TEST_F(ImportTest, AlignFloorPutsTheFeetAtZero) {
+  write("a.npz", 1, 200);
+  ImportConfig config;
+  config.align_floor = true;
+  import(config);
+  const Dataset dataset = load_dataset(out());
+  const Clip clip = load_clip(dataset, dataset.entries[0]);
+  int under = 0;
+  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+    const JointPositions joints = joint_positions(clip, t);
+    if (std::min({joints(7, 1), joints(8, 1), joints(10, 1), joints(11, 1)}) < -1e-9) ++under;
+  }
+  EXPECT_EQ(under, 4);  // one frame in fifty may lie lower
+}
+
+TEST_F(ImportTest, MistakesOnTheCommandLine) {
+  write("a.npz", 1);
+  write_file(in_ / "a.fbx", "x");
+  ImportJob given = job();
+  given.sources = {(in_ / "a.fbx").string()};
+  EXPECT_THROW(import_motion({}, given), UsageError);
+  given.sources = {(in_ / "none.npz").string()};
+  EXPECT_THROW(import_motion({}, given), DataError);
+  ImportConfig config;
+  config.label_regex = "no named group";
+  EXPECT_THROW(import(config), UsageError);
+  config = {};
+  config.split = "1,1,1";
+  EXPECT_THROW(import(config), UsageError);
+  config = {};
+  config.map = (in_ / "none.json").string();
+  EXPECT_THROW(import(config), DataError);
+  config = {};
+  config.drop_first = 12;
+  EXPECT_THROW(import(config), DataError);
+  given = job();
+  given.out = in_.path().parent_path();
+  EXPECT_THROW(import_motion({}, given), Error);
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+TEST_F(ImportTest, RetargetingIsMeasured) {
+  Random random(3);
+  Clip clip = random_clip(random, 10, 60);
+  write_bvh(in_ / "a.bvh", clip);
+  const ImportReport report = import();
+  EXPECT_EQ(report.limbs.table().rows().size(), 8u);
+  EXPECT_LT(report.limbs.mean_degrees(), 1e-4);
+  EXPECT_TRUE(report_json(report).contains("limb_error_degrees"));
+}
+
+TEST(ImportShared, AllSampleFormatsImport) {
+  const fs::path formats = fs::path(MOCAPLM_SOURCE_DIR) / "../shared/data/formats";
+  if (!fs::exists(formats)) GTEST_SKIP() << "no sample files at " << formats;
+  const TemporaryFolder folder;
+  ImportJob job;
+  job.sources = {formats.string()};
+  job.out = folder / "set";
+  const ImportReport report = import_motion({}, job);
+  EXPECT_EQ(report.imported, 24u);
+  EXPECT_TRUE(report.broken.empty());
+  EXPECT_FALSE(report.duplicates.empty());  // the variants of salsa_01
+}
+
+}  // namespace
+}  // namespace mocaplm
