@@ -8,7 +8,32 @@
 
 namespace mocaplm {
 
+namespace {
+
+constexpr int kMaxDepth = 100;
+
+// Copying and printing a JSON value recurse: a file of nothing but brackets would use up the stack.
+void check_depth(const std::string& text, const std::string& name) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '\\')
+      ++i;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == '[' || c == '{') && ++depth > kMaxDepth)
+      throw DataError(at_byte(name, i), "is nested deeper than " + std::to_string(kMaxDepth) +
+                                            " lists and objects");
+    else if (!quoted && (c == ']' || c == '}'))
+      --depth;
+  }
+}
+
+}  // namespace
+
 Json parse_json(const std::string& text, const std::string& name) {
+  check_depth(text, name);
   try {
     return Json::parse(text);
   } catch (const Json::exception& error) {  // also numbers such as 1e999
