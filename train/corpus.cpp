@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t kFewestFrames = 3;
 
-CorpusClip encode_clip(const Clip& clip, const Tokenizer& tokenizer,
+EncodedClip encode_clip(const Clip& clip, const Tokenizer& tokenizer,
                        const std::vector<std::string>& conditions, EncodeReport& report) {
-  CorpusClip out;
+  EncodedClip out;
   out.name = clip.name;
   out.ids = tokenizer.encode(clip, &report).ids;
   out.values = clip.labels;
@@ -31,7 +31,7 @@ Corpus encode_split(const Dataset& dataset, const std::string& split, const Toke
                     const std::vector<std::string>& conditions, bool mirror_too, int threads) {
   const std::vector<DatasetEntry> entries = dataset.split(split);
   const std::size_t copies = mirror_too ? 2 : 1;
-  std::vector<CorpusClip> encoded(entries.size() * copies);
+  std::vector<EncodedClip> encoded(entries.size() * copies);
   std::vector<EncodeReport> reports(encoded.size());
   parallel_for(entries.size(), threads, [&](std::size_t i) {
     const Clip clip = load_clip(dataset, entries[i]);
@@ -67,7 +67,7 @@ std::size_t window_frames(const ModelDescription& model, std::int64_t reserve) {
 Window make_window(const Corpus& corpus, const ModelDescription& model, std::size_t clip_index,
                    std::size_t first_frame, double condition_dropout, Random& random,
                    std::int64_t reserve) {
-  const CorpusClip& clip = corpus.clips[clip_index];
+  const EncodedClip& clip = corpus.clips[clip_index];
   const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
   std::vector<std::int32_t> prefix = {Tokenizer::kStart};
   for (const std::int32_t label : clip.labels)
@@ -95,14 +95,14 @@ Window make_window(const Corpus& corpus, const ModelDescription& model, std::siz
 WindowSampler::WindowSampler(const Corpus& corpus, const ModelDescription& model)
     : corpus_(corpus), model_(model) {
   double sum = 0;
-  for (const CorpusClip& clip : corpus.clips)
+  for (const EncodedClip& clip : corpus.clips)
     cumulative_.push_back(sum += static_cast<double>(clip.ids.size()));
 }
 
 Window WindowSampler::draw(Random& random, double condition_dropout) const {
   const double at = random.uniform() * cumulative_.back();
   const auto clip = static_cast<std::size_t>(
-      std::upper_bound(cumulative_.begin(), cumulative_.end(), at) - cumulative_.begin());
+      std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, at) - cumulative_.begin());
   const std::size_t frames =
       corpus_.clips[clip].ids.size() / static_cast<std::size_t>(model_.shape.tokens_per_frame());
   const std::size_t inside = window_frames(model_);

@@ -12,7 +12,7 @@
 
 namespace mocaplm {
 
-struct CorpusClip {
+struct EncodedClip {
   std::string name;
   std::vector<std::int32_t> ids;     // whole frames
   std::vector<std::int32_t> labels;  // condition tokens in the model's order; kMask where not known
@@ -20,7 +20,7 @@ struct CorpusClip {
 };
 
 struct Corpus {
-  std::vector<CorpusClip> clips;
+  std::vector<EncodedClip> clips;
   std::int64_t frames = 0;
   EncodeReport report;
 };
