@@ -141,6 +141,79 @@ std::vector<PlannedStep> plan_steps(const std::vector<Move>& moves, const Timeli
   return steps;
 }
 
+// Torso and arms at any time: the moves that are due, in the dancer's style, with the day's
+// wandering.
+class Dancer {
+ public:
+  Dancer(const Timeline& timeline, const Genre& genre, const Style& style, const Music& music,
+         Random& random)
+      : timeline_(timeline),
+        genre_(genre),
+        style_(style),
+        beat_seconds_(music.beat_seconds()),
+        attack_(std::max(0.16, genre.attack / style.sharpness) / beat_seconds_) {
+    for (int i = 0; i < 8; ++i) arm_wander_.emplace_back(0.035, random);
+    for (int i = 0; i < 4; ++i) torso_wander_.emplace_back(0.02, random);
+    effort_.emplace_back(0.08, random);
+  }
+
+  void pose(double time, Performance& out) const {
+    const double size = 1 + effort_[0].at(time);
+    TorsoPose torso = carriage(time);
+    std::array<ArmPose, 2> arms = {arm_drift(0, time), arm_drift(1, time)};
+    timeline_.at((time - style_.timing) / beat_seconds_,
+                 [&](const Move& move, double since, double weight) {
+                   torso = torso + weight * torso_of(move, since, size);
+                   for (int side = 0; side < 2; ++side) {
+                     ArmPose& arm = arms[static_cast<std::size_t>(side)];
+                     arm = arm + weight * arm_of(move, side, since, size);
+                   }
+                 });
+    out.torso.push_back(torso);
+    for (std::size_t side = 0; side < 2; ++side) out.arms[side].push_back(arms[side]);
+  }
+
+ private:
+  // How the torso is held under all that it does.
+  TorsoPose carriage(double time) const {
+    TorsoPose pose;
+    pose.pitch = style_.posture + torso_wander_[0].at(time);
+    pose.roll = style_.lean + torso_wander_[1].at(time);
+    pose.twist = torso_wander_[2].at(time);
+    pose.look = 2 * torso_wander_[3].at(time);
+    pose.nod = style_.chin;
+    pose.down = style_.bend + genre_.bend;
+    return pose;
+  }
+
+  ArmPose arm_drift(std::size_t side, double time) const {
+    const Wander* w = &arm_wander_[4 * side];
+    return {w[0].at(time), w[1].at(time), w[2].at(time), w[3].at(time), 0};
+  }
+
+  TorsoPose torso_of(const Move& move, double since, double size) const {
+    const TorsoPose pose = torso_pose(move.torso, since, attack_, style_.follow);
+    const double drive = size * move.size * genre_.drive * style_.bounce;
+    TorsoPose danced = drive * (move.flipped ? flipped(pose) : pose);
+    danced.down += move.feet.bend;
+    return danced;
+  }
+
+  ArmPose arm_of(const Move& move, int side, double since, double size) const {
+    // A longer way takes longer: arms have a top speed.
+    const double way = arm_travel(move.arms) * size * move.size * style_.amplitude;
+    const double attack = std::max(attack_, 1.9 * way / kTopSpeed / beat_seconds_);
+    const ArmPose pose = arm_pose(move.arms, move.flipped ? 1 - side : side, since, attack);
+    return styled(pose, style_, size * move.size, side);
+  }
+
+  const Timeline& timeline_;
+  const Genre& genre_;
+  const Style& style_;
+  double beat_seconds_, attack_;  // attack in beats
+  std::vector<Wander> arm_wander_, torso_wander_, effort_;
+};
+
 }  // namespace
 
 TorsoPose operator+(const TorsoPose& a, const TorsoPose& b) {
@@ -161,48 +234,10 @@ TorsoPose operator*(double s, const TorsoPose& a) {
 Performance perform(const std::vector<Move>& moves, const Genre& genre, const Style& style,
                     const Music& music, double fps, Eigen::Index frames, Random& random) {
   const Timeline timeline(moves);
-  const double attack = std::max(0.16, genre.attack / style.sharpness) / music.beat_seconds();
-  std::vector<Wander> arm_wander, torso_wander;
-  for (int i = 0; i < 8; ++i) arm_wander.emplace_back(0.035, random);
-  for (int i = 0; i < 4; ++i) torso_wander.emplace_back(0.02, random);
-  const Wander effort(0.08, random);
-
+  const Dancer dancer(timeline, genre, style, music, random);
   Performance out;
   out.fps = fps;
-  for (Eigen::Index t = 0; t < frames; ++t) {
-    const double time = static_cast<double>(t) / fps;
-    const double beat = (time - style.timing) / music.beat_seconds();
-    const double size = 1 + effort.at(time);
-    TorsoPose torso;
-    std::array<ArmPose, 2> arms = {ArmPose{0, 0, 0, 0, 0}, ArmPose{0, 0, 0, 0, 0}};
-    timeline.at(beat, [&](const Move& move, double since, double weight) {
-      const TorsoPose pose = torso_pose(move.torso, since, attack, style.follow);
-      const double drive = weight * size * move.size * genre.drive * style.bounce;
-      torso = torso + drive * (move.flipped ? flipped(pose) : pose);
-      torso.down += weight * move.feet.bend;
-      for (int side = 0; side < 2; ++side) {
-        const int danced = move.flipped ? 1 - side : side;
-        // A longer way takes longer: arms have a top speed.
-        const double way = arm_travel(move.arms) * size * move.size * style.amplitude;
-        const double arm_attack = std::max(attack, 1.9 * way / kTopSpeed / music.beat_seconds());
-        const ArmPose arm = arm_pose(move.arms, danced, since, arm_attack);
-        ArmPose& sum = arms[static_cast<std::size_t>(side)];
-        sum = sum + weight * styled(arm, style, size * move.size, side);
-      }
-    });
-    torso = torso + TorsoPose{style.posture + torso_wander[0].at(time),
-                              style.lean + torso_wander[1].at(time),
-                              torso_wander[2].at(time),
-                              style.chin,
-                              2 * torso_wander[3].at(time),
-                              style.bend + genre.bend};
-    out.torso.push_back(torso);
-    for (std::size_t side = 0; side < 2; ++side) {
-      const Wander* w = &arm_wander[4 * side];
-      out.arms[side].push_back(
-          arms[side] + ArmPose{w[0].at(time), w[1].at(time), w[2].at(time), w[3].at(time), 0});
-    }
-  }
+  for (Eigen::Index t = 0; t < frames; ++t) dancer.pose(static_cast<double>(t) / fps, out);
   const std::vector<double> kernel = bell(kSmoothing * fps);
   out.torso = smoothed(out.torso, kernel);
   for (auto& arm : out.arms) arm = smoothed(arm, kernel);
