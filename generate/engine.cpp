@@ -62,7 +62,8 @@ Engine::Engine(const StoredModel& model, const std::string& place)
   const ModelConfig& c = description_.config;
   const ModelSizes sizes = model_sizes(description_);
   const std::int64_t width = c.n_embd, vocabulary = description_.shape.vocabulary;
-  Weights weights(model.tensors, place + "/model.safetensors");
+  const TensorMap tensors = language_tensors(model.tensors);
+  Weights weights(tensors, place + "/model.safetensors");
   token_ = weights.take("token_embedding", {vocabulary, width});
   if (c.position == "custom") {
     frame_ = weights.take("frame_embedding", {sizes.frame_positions, width});
@@ -99,7 +100,6 @@ Engine::Engine(const StoredModel& model, const std::string& place)
   x_ = normed_ = attended_ = room(kRows, width);
   qkv_ = room(kRows, 3 * width);
   wide_ = room(kRows, 4 * width);
-  scores_ = room(omp_get_max_threads(), c.block_size);
   offsets_ = room(1, sizes.offsets);
   logits_ = room(1, vocabulary);
   for (const SelfTestCase& one : model.self_test) {
@@ -132,6 +132,9 @@ void Engine::embed(const ModelInput& input, std::int64_t first, std::int64_t row
 void Engine::self_attention(const Block& block, std::int64_t rows) {
   const std::int64_t width = description_.config.n_embd, heads = description_.config.n_head,
                      head = width / heads;
+  // Here, not in the constructor: the number of threads may have been raised since.
+  const auto scores = static_cast<std::size_t>(omp_get_max_threads() * capacity());
+  if (scores_.size() < scores) scores_.resize(scores);
 #pragma omp parallel for collapse(2) schedule(static) if (rows * length_ * width > 20000)
   for (std::int64_t r = 0; r < rows; ++r)
     for (std::int64_t h = 0; h < heads; ++h)

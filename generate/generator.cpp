@@ -5,7 +5,6 @@
 
 #include "common/error.h"
 #include "common/text.h"
-#include "motion/resample.h"
 #include "motion/skeleton.h"
 
 namespace mocaplm {
@@ -16,8 +15,10 @@ constexpr std::int32_t kFree = -1;
 
 Tokenizer matching_tokenizer(const StoredModel& model, const std::string& place) {
   Tokenizer tokenizer = Tokenizer::from_json(model.tokenizer, place + "/tokenizer.json");
+  const StreamShape& shape = model.description.shape;
   if (tokenizer.fingerprint() != model.description.tokenizer_fingerprint ||
-      tokenizer.vocabulary() != model.description.shape.vocabulary)
+      tokenizer.vocabulary() != shape.vocabulary || tokenizer.channels() != shape.channels ||
+      tokenizer.bins() != shape.bins || Tokenizer::kFirstBin != shape.first_bin)
     throw DataError(in_file(place),
                     "tokenizer.json is not the tokenizer that this model was trained with");
   return tokenizer;
@@ -99,7 +100,10 @@ Generator::Plan Generator::plan(const GenerateRequest& request, GenerateResult& 
   if (result.joints.size() < request.joints.size())
     result.notes.push_back("of the prompted joints the model has only: " +
                            joint_list(result.joints));
-  plan.prompt = resample(*request.prompt, fps);
+  if (!std::isfinite(request.prompt_seconds) || request.prompt_seconds < 0)
+    throw UsageError("--prompt-seconds " + format_number(request.prompt_seconds) +
+                     ": expected more than 0, or 0 for the whole prompt");
+  plan.prompt = tokenizer_.at_rate(*request.prompt);
   if (std::abs(request.prompt->fps - fps) > 1e-9)
     result.notes.push_back("the prompt was resampled from " + format_number(request.prompt->fps) +
                            " to " + format_number(fps) + " frames per second");

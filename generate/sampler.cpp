@@ -4,13 +4,29 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/error.h"
+
 namespace mocaplm {
+
+Sampler::Sampler(const SamplingConfig& config) : random_(static_cast<std::uint64_t>(config.seed)) {
+  try {
+    const Json settings = settings_json(config);
+    JsonObject object(settings, "sampling");
+    read_settings(config_, object);  // checks every range
+  } catch (const DataError& error) {
+    throw UsageError(error.what());
+  }
+}
 
 std::int32_t Sampler::pick(const std::vector<float>& logits, std::int32_t first,
                            std::int32_t count) {
   assert(count > 0 && first >= 0 &&
          static_cast<std::size_t>(first) + static_cast<std::size_t>(count) <= logits.size());
   const auto begin = logits.begin() + first, end = begin + count;
+  if (!std::all_of(begin, end, [](float logit) { return std::isfinite(logit); }))
+    throw DataError(in_file("the model"),
+                    "gives logits that are not finite: its weights are damaged "
+                    "or its training went wrong");
   const auto best = std::max_element(begin, end);
   if (config_.strategy == "greedy") return static_cast<std::int32_t>(best - logits.begin());
   candidates_.clear();

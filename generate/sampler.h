@@ -29,10 +29,11 @@ struct SamplingConfig {
 
 class Sampler {
  public:
-  explicit Sampler(const SamplingConfig& config)
-      : config_(config), random_(static_cast<std::uint64_t>(config.seed)) {}
+  // Throws UsageError for settings outside their ranges.
+  explicit Sampler(const SamplingConfig& config);
 
-  // One id out of [first, first + count), the ids that may come here.
+  // One id out of [first, first + count), the ids that may come here. Throws DataError when one of
+  // their logits is not finite.
   std::int32_t pick(const std::vector<float>& logits, std::int32_t first, std::int32_t count);
 
  private:

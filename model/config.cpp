@@ -52,7 +52,9 @@ ModelDescription model_from_json(const Json& json, const std::string& place) {
   stream.finish();
   d.tokenizer_fingerprint = top.text("tokenizer_fingerprint");
   d.conditions = top.texts("conditions");
-  for (const Json& item : top.raw("classes")) {
+  const Json& classes = top.raw("classes");
+  if (!classes.is_array()) top.fail("classes", "expected a list, found " + classes.dump());
+  for (const Json& item : classes) {
     JsonObject one(item, place + ": \"classes\"");
     const std::string label = one.text("label");
     d.classes.emplace_back(label, one.texts("values"));
@@ -73,6 +75,22 @@ ModelSizes model_sizes(const ModelDescription& d) {
   const ModelConfig& c = d.config;
   return {c.block_size / d.shape.tokens_per_frame() + 3, d.shape.channels + 2, 2 * c.reach + 2,
           2 * c.reach + 1};
+}
+
+double parameter_count(const ModelDescription& d) {
+  const ModelConfig& c = d.config;
+  const ModelSizes sizes = model_sizes(d);
+  const auto width = static_cast<double>(c.n_embd),
+             vocabulary = static_cast<double>(d.shape.vocabulary);
+  double rows =
+      vocabulary + 2;  // token embedding and the last layer norm, then what is beside them
+  rows += static_cast<double>(
+      c.position == "custom" ? sizes.frame_positions + sizes.channel_positions : c.block_size);
+  if (c.history) rows += 3 * static_cast<double>(sizes.history_rows);
+  rows += static_cast<double>(c.n_layer) * (12 * width + 13);
+  double outputs = vocabulary;
+  if (c.output == "extrapolation") outputs += static_cast<double>(sizes.offsets);
+  return rows * width + outputs * (width + 1);
 }
 
 }  // namespace mocaplm

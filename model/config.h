@@ -79,4 +79,8 @@ struct ModelSizes {
 };
 ModelSizes model_sizes(const ModelDescription& description);
 
+// Weights of the whole model, without heads of classification. A double: a hostile config's count
+// would overflow.
+double parameter_count(const ModelDescription& description);
+
 }  // namespace mocaplm

@@ -1,10 +1,12 @@
 #include "model/directory.h"
 
 #include <cmath>
+#include <limits>
 
 #include "common/error.h"
 #include "common/files.h"
 #include "common/random.h"
+#include "common/text.h"
 
 namespace fs = std::filesystem;
 
@@ -21,8 +23,8 @@ Json ints(const std::vector<std::int32_t>& values) {
 std::vector<std::int32_t> read_ints(JsonObject& object, const std::string& key) {
   std::vector<std::int32_t> values;
   for (const double value : object.numbers(key)) {
-    if (value != static_cast<double>(static_cast<std::int32_t>(value)))
-      object.fail(key, "expected whole numbers");
+    if (std::abs(value) > std::numeric_limits<std::int32_t>::max() || value != std::trunc(value))
+      object.fail(key, "expected whole numbers, found " + format_number(value));
     values.push_back(static_cast<std::int32_t>(value));
   }
   return values;
@@ -87,6 +89,9 @@ void check_marker(const fs::path& directory) {
         "has no file \"complete\": the model was never finished, or this is not a model");
   const Json files = load_json(marker);
   if (!files.is_object()) throw DataError(in_file(marker.string()), "expected a JSON object");
+  for (const char* name : {"config.json", "model.safetensors", "selftest.json", "tokenizer.json"})
+    if (!files.contains(name))
+      throw DataError(in_file(marker.string()), std::string("does not list ") + name);
   for (const auto& item : files.items()) {
     JsonObject entry(item.value(), marker.string() + ": " + item.key());
     const fs::path file = directory / fs::path(item.key()).filename();
@@ -102,6 +107,17 @@ void check_marker(const fs::path& directory) {
       throw DataError(in_file(file.string()),
                       "was changed after the model was saved (its hash differs)");
   }
+}
+
+// Before anybody makes room for the weights that the config asks for.
+void check_size(const StoredModel& model, const fs::path& directory) {
+  double held = 0;
+  for (const auto& item : model.tensors) held += static_cast<double>(item.second.size());
+  const double wanted = parameter_count(model.description);
+  if (held < wanted)
+    throw DataError(
+        in_file((directory / "model.safetensors").string()),
+        "holds " + format_number(held) + " values, config.json asks for " + format_number(wanted));
 }
 
 }  // namespace
@@ -133,9 +149,18 @@ StoredModel load_model(const fs::path& path) {
   model.description = load_description(directory);
   model.tokenizer = load_json(directory / "tokenizer.json");
   model.tensors = read_safetensors(directory / "model.safetensors");
+  check_size(model, directory);
   const fs::path test = directory / "selftest.json";
   model.self_test = read_self_test(load_json(test), test.string());
   return model;
+}
+
+TensorMap language_tensors(const TensorMap& tensors) {
+  TensorMap own;
+  for (const auto& [name, tensor] : tensors)
+    if (name.rfind("class_", 0) != 0)
+      own[name.rfind("transformer.", 0) == 0 ? name.substr(12) : name] = tensor;
+  return own;
 }
 
 void check_input(const ModelInput& input, const ModelDescription& model, const std::string& place) {

@@ -37,13 +37,16 @@ NamedTensor read_tensor(const Json& entry, const std::string& name, const std::s
   NamedTensor tensor;
   std::uint64_t count = 1;
   const std::uint64_t available = data.size() - base;
-  for (const Json& extent : object.raw("shape")) {
+  const Json& shape = object.raw("shape");
+  if (!shape.is_array()) object.fail("shape", "expected a list, found " + shape.dump());
+  for (const Json& extent : shape) {
     if (!extent.is_number_unsigned() || extent.get<std::uint64_t>() > available)
       object.fail("shape", "expected whole numbers within the file's size, found " + extent.dump());
-    tensor.shape.push_back(extent.get<std::int64_t>());
-    count *= extent.get<std::uint64_t>();
-    if (count > available)
+    const auto rows = extent.get<std::uint64_t>();
+    if (rows > 0 && count > available / rows)
       object.fail("shape", "needs more bytes than the file has: the file is cut off or damaged");
+    tensor.shape.push_back(static_cast<std::int64_t>(rows));
+    count *= rows;
   }
   const Json& offsets = object.raw("data_offsets");
   if (!offsets.is_array() || offsets.size() != 2 || !offsets[0].is_number_unsigned() ||
