@@ -1,0 +1,116 @@
+// docs/settings.md lists every setting as the program declares it: key, values, default, help.
+#include <gtest/gtest.h>
+
+#include <set>
+#include <sstream>
+
+#include "common/files.h"
+#include "common/settings.h"
+#include "generate/sampler.h"
+#include "model/config.h"
+#include "motion/import/config.h"
+#include "motion/synth.h"
+#include "tokenizer/tokenizer.h"
+#include "train/config.h"
+
+namespace mocaplm {
+
+namespace {
+
+// The table rows that describe a struct's settings.
+class SettingRows {
+ public:
+  void integer(const char* key, std::int64_t& value, std::int64_t min, std::int64_t max,
+               const char* help) {
+    row(key, std::to_string(min) + " to " + std::to_string(max), std::to_string(value), help);
+  }
+  void number(const char* key, double& value, double min, double max, const char* help) {
+    row(key, format_number(min) + " to " + format_number(max), format_number(value), help);
+  }
+  void boolean(const char* key, bool& value, const char* help) {
+    row(key, "true, false", value ? "true" : "false", help);
+  }
+  void choice(const char* key, std::string& value, const std::vector<std::string>& allowed,
+              const char* help) {
+    row(key, join(allowed, ", "), value, help);
+  }
+  void text(const char* key, std::string& value, const char* help) {
+    row(key, "text", value, help);
+  }
+  void texts(const char* key, std::vector<std::string>& value, const char* help) {
+    row(key, "list of texts", join(value, ", "), help);
+  }
+  const std::vector<std::string>& rows() const { return rows_; }
+
+ private:
+  void row(const std::string& key, const std::string& values, const std::string& initial,
+           const char* help) {
+    const std::string shown = initial.empty() ? "" : initial + " ";
+    std::string escaped;  // Markdown takes <style> for a tag
+    for (const char* c = help; *c != 0; ++c) escaped += *c == '<' ? "\\<" : std::string(1, *c);
+    rows_.push_back("| `" + key + "` | " + values + " | " + shown + "| " + escaped + " |");
+  }
+  std::vector<std::string> rows_;
+};
+
+template <class Config>
+std::vector<std::string> rows_of(Config config) {
+  SettingRows visitor;
+  config.describe(visitor);
+  return visitor.rows();
+}
+
+// The rows below the heading "## TITLE", up to the next heading, that name a setting.
+std::vector<std::string> documented(const std::string& title) {
+  std::istringstream lines(read_file(MOCAPLM_SOURCE_DIR "/docs/settings.md"));
+  std::vector<std::string> rows;
+  std::string line;
+  bool inside = false;
+  while (std::getline(lines, line)) {
+    if (line.rfind("## ", 0) == 0) inside = line == "## " + title;
+    if (inside && line.rfind("| `", 0) == 0) rows.push_back(line);
+  }
+  return rows;
+}
+
+void expect_documented(const std::string& title, const std::vector<std::string>& rows) {
+  const std::vector<std::string> found = documented(title);
+  const std::set<std::string> there(found.begin(), found.end());
+  const std::set<std::string> wanted(rows.begin(), rows.end());
+  for (const std::string& row : rows)
+    EXPECT_EQ(there.count(row), 1u)
+        << "docs/settings.md, section \"" << title << "\", lacks the row\n"
+        << row;
+  for (const std::string& row : found)
+    EXPECT_EQ(wanted.count(row), 1u)
+        << "docs/settings.md, section \"" << title << "\", has a row that no setting declares\n"
+        << row;
+}
+
+}  // namespace
+
+TEST(SettingsDocument, Tokenizer) {
+  expect_documented("tokenizer", rows_of(TokenizerConfig()));
+}
+
+TEST(SettingsDocument, Model) {
+  expect_documented("model", rows_of(ModelConfig()));
+}
+
+TEST(SettingsDocument, Train) {
+  expect_documented("train", rows_of(TrainConfig()));
+}
+
+TEST(SettingsDocument, Sampling) {
+  expect_documented("sampling", rows_of(SamplingConfig()));
+}
+
+TEST(SettingsDocument, Import) {
+  expect_documented("import", rows_of(ImportConfig()));
+}
+
+TEST(SettingsDocument, Synth) {
+  expect_documented("synth", rows_of(SynthConfig()));
+}
+
+}  // namespace mocaplm
