@@ -77,7 +77,8 @@ class Run {
     std::future<MicroBatches> next = ahead(done_.step);
     const std::int64_t first_step = done_.step;
     std::int64_t tokens = 0;
-    while (done_.step < config_.steps && progress() < 1) {
+    bool stopped = false;
+    while (done_.step < config_.steps && progress() < 1 && !stopped) {
       const auto waited_from = Clock::now();
       const MicroBatches batches = next.get();
       waiting_ += seconds_since(waited_from);
@@ -89,7 +90,9 @@ class Run {
       rate_ = static_cast<double>(tokens) / seconds_since(start_);
       const bool last = done_.step == config_.steps || progress() >= 1;
       if (done_.step % config_.validate_every == 0 || last) validate(bar);
-      if (done_.step % config_.save_every == 0 || last) save(options_.out / "last", true);
+      stopped = done_.step == options_.stop_after_step;
+      if (done_.step % config_.save_every == 0 || last || stopped)
+        save(options_.out / "last", true);
       bar.update(static_cast<std::size_t>(done_.step), note());
     }
     next.wait();
@@ -152,13 +155,16 @@ class Run {
       nats += loss.item<double>();
     }
     const double norm = optimizer_.step(scheduled_rate(config_, done_.step, progress()));
-    if (!std::isfinite(nats) || !std::isfinite(norm))
-      throw DataError(in_file(options_.out.string()),
-                      "training stopped at step " + std::to_string(done_.step + 1) + ": the " +
-                          (std::isfinite(nats) ? "gradient" : "loss") +
-                          " is not finite. The last checkpoint is intact; try a lower "
-                          "--learning-rate or --precision f32, with --resume");
+    if (!std::isfinite(nats)) diverged("the loss");
+    if (!std::isfinite(norm)) diverged("the gradient");
     return nats;
+  }
+
+  [[noreturn]] void diverged(const std::string& what) const {
+    throw DataError(in_file(options_.out.string()),
+                    "training stopped after step " + std::to_string(done_.step) + ": " + what +
+                        " is not finite. What was saved is intact; try a lower --learning-rate or "
+                        "--precision f32 with another --out");
   }
 
   void validate(Progress& bar) {
@@ -176,9 +182,7 @@ class Run {
       count += (batch.target >= 0).sum().item<std::int64_t>();
     }
     const double nats = sum / static_cast<double>(std::max<std::int64_t>(count, 1));
-    if (!std::isfinite(nats))
-      throw DataError(in_file(options_.out.string()),
-                      "the validation loss is not finite at step " + std::to_string(done_.step));
+    if (!std::isfinite(nats)) diverged("the validation loss");
     if (nats < done_.best_nats) {
       done_.best_nats = nats;
       save(options_.out / "best", false);
@@ -212,6 +216,9 @@ class Run {
     for (std::size_t i = 0; i < std::min<std::size_t>(2, validation_.size()); ++i)
       inputs.push_back(validation_[i].input);
     stored.self_test = make_self_test(*setup_.model, inputs);
+    for (const SelfTestCase& one : stored.self_test)
+      for (const float logit : one.logits)
+        if (!std::isfinite(logit)) diverged("a logit");
     save_model(path, stored, [&](const fs::path& directory) {
       if (!resumable) return;
       optimizer_.save(directory / "optimizer.pt");
@@ -253,7 +260,8 @@ void check_out(const TrainOptions& options) {
     throw DataError(in_file(out.string()), "is a file, expected a folder for the run");
   const bool has_run = fs::exists(out / "settings.json") || fs::exists(out / "last");
   if (options.resume && !fs::exists(out / "last"))
-    throw UsageError("--resume: " + out.string() + " holds no checkpoint (no folder last/)");
+    throw UsageError("--resume: " + out.string() +
+                     " holds no checkpoint (no folder last/): start again with another --out");
   if (!options.resume && has_run)
     throw UsageError(
         out.string() +

@@ -19,6 +19,7 @@ struct TrainOptions {
   bool resume = false;
   std::string device = "auto";
   int threads = 0;
+  std::int64_t stop_after_step = 0;  // stop there as if interrupted, with last/ saved; 0: never
 };
 
 struct TrainResult {
