@@ -94,6 +94,7 @@ class Import {
     Facts facts = gather_facts(config, sources_);
     facts_ = std::move(facts.files);
     report_.warnings = std::move(facts.warnings);
+    check_strata();
     plan();
   }
 
@@ -124,6 +125,16 @@ class Import {
         throw UsageError(source.path.string() + " lies inside --out " + job_.out.string() +
                          "; give another folder");
     }
+  }
+
+  void check_strata() const {
+    std::set<std::string> labels;
+    for (const FileFacts& file : facts_)
+      for (const auto& [label, value] : file.labels) labels.insert(label);
+    for (const std::string& label : config_.stratify)
+      if (labels.count(label) == 0)
+        throw UsageError("--stratify " + label + ": no file has this label" +
+                         did_you_mean(label, {labels.begin(), labels.end()}));
   }
 
   void plan() {

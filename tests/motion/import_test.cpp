@@ -235,6 +235,9 @@ TEST_F(ImportTest, MistakesOnTheCommandLine) {
   config.map = (in_ / "none.json").string();
   EXPECT_THROW(import(config), DataError);
   config = {};
+  config.stratify = {"genre"};
+  EXPECT_THROW(import(config), UsageError);
+  config = {};
   config.drop_first = 12;
   EXPECT_THROW(import(config), DataError);
   given = job();
