@@ -26,7 +26,7 @@ Eigen::Vector2d to_floor(const Eigen::Vector2d& dancer, double heading) {
   return {c * dancer.x() + s * dancer.y(), -s * dancer.x() + c * dancer.y()};
 }
 
-BinRange absolute_range(const std::vector<double>& values) {
+ValueRange absolute_range(const std::vector<double>& values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const double margin = std::max(0.05, 0.1 * (*high - *low));
   return {*low - margin, *high + margin};
@@ -42,7 +42,7 @@ double percentile(std::vector<double>& values, double share) {
 
 }  // namespace
 
-BinRange step_range(std::vector<double> values, int bins, bool symmetric) {
+ValueRange step_range(std::vector<double> values, int bins, bool symmetric) {
   constexpr double kLeast = 0.01;  // metres: a corpus that stands still still gets sane bins
   double back = std::max(kLeast, -1.25 * percentile(values, 0.001));
   double ahead = std::max(kLeast, 1.25 * percentile(values, 0.999));

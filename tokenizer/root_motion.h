@@ -17,17 +17,17 @@ double heading(const Eigen::Vector3d& pelvis_axis_angle);
 Eigen::Vector2d to_dancer(const Eigen::Vector2d& floor, double heading);
 Eigen::Vector2d to_floor(const Eigen::Vector2d& dancer, double heading);
 
-struct BinRange {
+struct ValueRange {
   double low = 0, high = 0;
 };
 
 // The range of one absolute channel: all values, and a margin of a tenth of their spread at both
 // ends (5 cm at least).
-BinRange absolute_range(const std::vector<double>& values);
+ValueRange absolute_range(const std::vector<double>& values);
 
 // The range of a step channel: from the 0.1st to the 99.9th percentile with a margin of a quarter,
 // so that one bad jump does not take the bins from all steps. Zero is the centre of a bin: who
 // stands still stays. `symmetric` for a channel whose sign is a matter of mirroring.
-BinRange step_range(std::vector<double> values, int bins, bool symmetric);
+ValueRange step_range(std::vector<double> values, int bins, bool symmetric);
 
 }  // namespace mocaplm

@@ -50,7 +50,7 @@ Tokenizer Tokenizer::fit(const TokenizerConfig& config, std::size_t count,
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const bool step = config.root == "steps" && axis != 1;
-    const BinRange range =
+    const ValueRange range =
         step ? step_range(values[axis], tokenizer.bins(), axis == 0) : absolute_range(values[axis]);
     tokenizer.low_[rotations + axis] = range.low;
     tokenizer.high_[rotations + axis] = range.high;

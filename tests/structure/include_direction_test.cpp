@@ -155,6 +155,26 @@ TEST(IncludeDirection, NoSourceIsLong) {
   EXPECT_TRUE(wrong.empty()) << one_a_line(wrong);
 }
 
+// Two headers that define a type of the same name make one program with two meanings of it, and no
+// compiler says so.
+TEST(IncludeDirection, NoTypeIsDefinedByTwoHeaders) {
+  static const std::regex definition("^(struct|class|enum class|enum) (\\w+)[^;]*\\{.*");
+  std::map<std::string, std::string> defined;
+  std::vector<std::string> wrong;
+  for (const std::string& file : sources()) {
+    if (fs::path(file).extension() != ".h" || file.rfind("tests/", 0) == 0) continue;
+    std::istringstream lines(source_text(file));
+    std::smatch match;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find('{') == std::string::npos || !std::regex_match(line, match, definition))
+        continue;
+      const auto [first, fresh] = defined.emplace(match[2], file);
+      if (!fresh) wrong.push_back(file + ": " + match.str(2) + " is also in " + first->second);
+    }
+  }
+  EXPECT_TRUE(wrong.empty()) << one_a_line(wrong);
+}
+
 // The table itself: no circles, since a directory may only include those that stand above it.
 TEST(IncludeDirection, TableHasNoCircles) {
   std::vector<std::string> above = {"*"};

@@ -58,7 +58,7 @@ TEST(StepRange, KeepsZeroAtABinsCentreAndIgnoresOneBadJump) {
       std::vector<double> values;
       for (int i = 0; i < 5000; ++i) values.push_back(random.uniform(-0.02, 0.06));
       values.push_back(50);
-      const BinRange range = step_range(values, bins, symmetric);
+      const ValueRange range = step_range(values, bins, symmetric);
       EXPECT_LT(range.low, 0);
       EXPECT_GT(range.high, 0);
       EXPECT_LT(range.high, bins < 4 ? 0.25 : 0.1);
@@ -74,9 +74,9 @@ TEST(StepRange, KeepsZeroAtABinsCentreAndIgnoresOneBadJump) {
 }
 
 TEST(StepRange, OfNoMovementIsStillARange) {
-  const BinRange range = step_range({0, 0, 0}, 360, true);
+  const ValueRange range = step_range({0, 0, 0}, 360, true);
   EXPECT_GT(range.high - range.low, 0.01);
-  const BinRange height = absolute_range({0.9});
+  const ValueRange height = absolute_range({0.9});
   EXPECT_LT(height.low, 0.9);
   EXPECT_GT(height.high, 0.9);
 }
