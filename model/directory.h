@@ -40,6 +40,10 @@ StoredModel load_model(const std::filesystem::path& path);
 // Only config.json (for `info`).
 ModelDescription load_description(const std::filesystem::path& path);
 
+// The tensors of the language model itself: a classifier's own are left out and its prefix is taken
+// off.
+TensorMap language_tensors(const TensorMap& tensors);
+
 // Throws DataError when an index of the input lies outside the model's tables.
 void check_input(const ModelInput& input, const ModelDescription& model, const std::string& place);
 // Throws DataError when logits computed now differ from the stored ones by more than rounding.

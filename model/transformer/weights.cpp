@@ -90,7 +90,7 @@ std::vector<SelfTestCase> make_self_test(Transformer& model,
 
 std::shared_ptr<Transformer> load_transformer(const StoredModel& stored, const std::string& place) {
   auto model = std::make_shared<Transformer>(stored.description);
-  import_weights(*model, stored.tensors, place + "/model.safetensors");
+  import_weights(*model, language_tensors(stored.tensors), place + "/model.safetensors");
   model->eval();
   for (const SelfTestCase& one : stored.self_test) {
     check_input(one.input, stored.description, place + "/selftest.json");

@@ -1,0 +1,331 @@
+#include "classify/train.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "classify/baselines.h"
+#include "classify/classifier.h"
+#include "common/error.h"
+#include "common/files.h"
+#include "common/progress.h"
+#include "common/text.h"
+#include "model/transformer/setup.h"
+#include "model/transformer/weights.h"
+#include "train/corpus.h"
+#include "train/optimizer.h"
+
+namespace fs = std::filesystem;
+
+namespace mocaplm {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double minutes_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count() / 60;
+}
+
+struct Setup {
+  StoredModel stored;
+  std::string place;
+  Tokenizer tokenizer;
+  Dataset dataset;
+  std::vector<Task> tasks;
+  std::size_t window_frames = 0;
+  LabelledSplit train, validation, test;
+};
+
+Setup set_up(const ClassifyOptions& options) {
+  Setup s;
+  s.place = resolve_model(options.model).string();
+  s.stored = load_model(options.model);
+  s.tokenizer = Tokenizer::from_json(s.stored.tokenizer, s.place + "/tokenizer.json");
+  if (s.tokenizer.fingerprint() != s.stored.description.tokenizer_fingerprint)
+    throw DataError(in_file(s.place),
+                    "tokenizer.json is not the tokenizer that this model was trained with");
+  s.dataset = load_dataset(options.data);
+  s.tasks = make_tasks(s.dataset, options.config.labels);
+  // A classifier is told no conditions: they would tell it the answer.
+  s.stored.description.conditions.clear();
+  s.window_frames = window_frames(s.stored.description, static_cast<std::int64_t>(s.tasks.size()));
+  const auto split = [&](const char* name, bool mirror) {
+    return label_split(s.dataset, name, s.tokenizer, s.tasks, s.window_frames, mirror,
+                       options.threads);
+  };
+  s.train = split("train", options.config.mirror);
+  s.validation = split("validation", false);
+  s.test = split(options.split.c_str(), false);
+  return s;
+}
+
+Window class_window(const Setup& s, const LabelledSplit& split, const WindowPlace& place) {
+  const auto per_frame = static_cast<std::size_t>(s.tokenizer.tokens_per_frame());
+  const std::vector<std::int32_t>& ids = split.clips[place.clip].ids;
+  const std::size_t first = place.first_frame * per_frame, count = s.window_frames * per_frame;
+  Window window;
+  window.input = window_input(s.stored.description, {Tokenizer::kStart}, ids, first, count);
+  window.target.assign(ids.begin() + static_cast<std::ptrdiff_t>(first),
+                       ids.begin() + static_cast<std::ptrdiff_t>(first + count));
+  window.target.push_back(-1);
+  return window;
+}
+
+Batch class_batch(const Setup& s, const LabelledSplit& split,
+                  const std::vector<WindowPlace>& places, const at::Device& device) {
+  std::vector<ModelInput> inputs;
+  std::vector<std::vector<std::int32_t>> targets;
+  for (const WindowPlace& place : places) {
+    Window window = class_window(s, split, place);
+    inputs.push_back(std::move(window.input));
+    targets.push_back(std::move(window.target));
+  }
+  return stack(inputs, targets).to(device);
+}
+
+// Log-probabilities (windows, classes) of every task.
+std::vector<Eigen::MatrixXd> predict(Classifier& classifier, const Setup& s,
+                                     const LabelledSplit& split,
+                                     const std::vector<WindowPlace>& windows,
+                                     const at::Device& device) {
+  const at::NoGradGuard no_grad;
+  classifier.eval();
+  std::vector<Eigen::MatrixXd> scores;
+  for (const Task& task : s.tasks)
+    scores.emplace_back(static_cast<Eigen::Index>(windows.size()),
+                        static_cast<Eigen::Index>(task.values.size()));
+  constexpr std::size_t kAtOnce = 16;
+  for (std::size_t i = 0; i < windows.size(); i += kAtOnce) {
+    const std::size_t end = std::min(i + kAtOnce, windows.size());
+    const std::vector<WindowPlace> some(windows.begin() + static_cast<std::ptrdiff_t>(i),
+                                        windows.begin() + static_cast<std::ptrdiff_t>(end));
+    const Classifier::Output out = classifier.forward(class_batch(s, split, some, device));
+    for (std::size_t k = 0; k < s.tasks.size(); ++k) {
+      const at::Tensor logs =
+          at::log_softmax(out.logits[k], -1).to(at::kCPU, at::kDouble).contiguous();
+      for (std::size_t w = i; w < end; ++w)
+        for (Eigen::Index c = 0; c < scores[k].cols(); ++c)
+          scores[k](static_cast<Eigen::Index>(w), c) =
+              logs.data_ptr<double>()[(w - i) * static_cast<std::size_t>(scores[k].cols()) +
+                                      static_cast<std::size_t>(c)];
+    }
+  }
+  return scores;
+}
+
+class Training {
+ public:
+  Training(Setup& setup, const ClassifyOptions& options)
+      : s_(setup),
+        config_(options.config),
+        device_(choose_device(options.device)),
+        random_(static_cast<std::uint64_t>(config_.seed)) {
+    at::manual_seed(static_cast<std::uint64_t>(config_.seed));
+    s_.stored.description.config.dropout = config_.dropout;
+    auto transformer = load_transformer(s_.stored, s_.place);
+    transformer->set_precision(choose_precision(config_.precision, device_));
+    classifier_ = std::make_shared<Classifier>(transformer, s_.tasks);
+    classifier_->to(device_);
+    schedule_.learning_rate = config_.learning_rate > 0 ? config_.learning_rate : default_rate();
+    schedule_.warmup = std::min<std::int64_t>(30, config_.steps / 4);
+    schedule_.weight_decay = 0.05;
+    optimizer_ = std::make_unique<Optimizer>(*classifier_, schedule_);
+  }
+
+  // Keeps the weights that do best on the validation split.
+  Classifier& run() {
+    Progress bar("classify", static_cast<std::size_t>(config_.steps), "steps", 30);
+    const auto start = Clock::now();
+    TensorMap best;
+    double best_accuracy = -1;
+    char note[160] = "";
+    for (std::int64_t step = 0; step < config_.steps; ++step) {
+      double progress = static_cast<double>(step) / static_cast<double>(config_.steps);
+      if (config_.max_minutes > 0)
+        progress = std::max(progress, minutes_since(start) / config_.max_minutes);
+      const auto [language, classes] = one_step(step, progress);
+      const bool last = step + 1 == config_.steps || progress >= 1;
+      if ((step + 1) % config_.validate_every == 0 || last) {
+        const double accuracy = validation_accuracy();
+        if (accuracy > best_accuracy) {
+          best_accuracy = accuracy;
+          best = export_weights(*classifier_);
+        }
+        std::snprintf(note, sizeof note,
+                      "language loss %.3f, class loss %.3f, validation accuracy %.1f %%", language,
+                      classes, 100 * accuracy);
+        bar.print("step " + std::to_string(step + 1) + ": " + note);
+      }
+      bar.update(static_cast<std::size_t>(step + 1), note);
+      if (last) break;
+    }
+    bar.finish(note);
+    import_weights(*classifier_, best, "classifier");
+    return *classifier_;
+  }
+
+  const at::Device& device() const { return device_; }
+
+ private:
+  double default_rate() const {
+    const Json& training = s_.stored.description.training;
+    const Json::json_pointer at("/config/train/learning_rate");
+    const double rate = training.is_object() && training.contains(at) && training[at].is_number()
+                            ? training[at].get<double>()
+                            : 0;
+    return std::max(rate / 3, 2e-5);
+  }
+
+  std::pair<double, double> one_step(std::int64_t step, double progress) {
+    at::manual_seed(
+        stable_hash("classify " + std::to_string(step), static_cast<std::uint64_t>(config_.seed)));
+    const std::vector<WindowPlace> places = draw();
+    const Batch batch = class_batch(s_, s_.train, places, device_);
+    classifier_->train();
+    optimizer_->zero_grad();
+    const Classifier::Output out = classifier_->forward(batch);
+    const at::Tensor counted = (batch.target >= 0).sum();
+    const at::Tensor language = classifier_->transformer().loss(out.hidden, batch).sum() / counted;
+    at::Tensor classes = at::zeros({}, language.options());
+    for (std::size_t k = 0; k < s_.tasks.size(); ++k)
+      classes = classes + class_loss(out.logits[k], places, k);
+    (config_.language_loss * language + classes).backward();
+    const double norm = optimizer_->step(scheduled_rate(schedule_, step, progress));
+    const double nats = language.item<double>(), class_nats = classes.item<double>();
+    if (!std::isfinite(nats) || !std::isfinite(class_nats) || !std::isfinite(norm))
+      throw DataError(
+          in_file(s_.place),
+          "training the classifier stopped at step " + std::to_string(step + 1) +
+              ": the loss is not finite; try a lower --learning-rate or --precision f32");
+    return {nats, class_nats};
+  }
+
+  // A clip is as likely as it is long, its window starts anywhere.
+  std::vector<WindowPlace> draw() {
+    std::vector<WindowPlace> places;
+    const auto per_frame = static_cast<std::size_t>(s_.tokenizer.tokens_per_frame());
+    for (std::int64_t i = 0; i < config_.batch_size; ++i) {
+      const std::size_t clip = s_.train.windows[random_.below(s_.train.windows.size())].clip;
+      const std::size_t starts = s_.train.clips[clip].ids.size() / per_frame - s_.window_frames + 1;
+      places.push_back({clip, random_.below(starts)});
+    }
+    return places;
+  }
+
+  at::Tensor class_loss(const at::Tensor& logits, const std::vector<WindowPlace>& places,
+                        std::size_t task) const {
+    at::Tensor truth = at::empty({static_cast<std::int64_t>(places.size())}, at::kLong);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      truth.data_ptr<std::int64_t>()[i] = s_.train.clips[places[i].clip].classes[task];
+    truth = truth.to(device_);
+    const at::Tensor known = (truth >= 0).to(logits.scalar_type());
+    const at::Tensor nats =
+        -at::log_softmax(logits, -1).gather(1, truth.clamp_min(0).unsqueeze(1)).squeeze(1);
+    return (nats * known).sum() / known.sum().clamp_min(1);
+  }
+
+  // Mean over the tasks of the accuracy on (at most 256 of) the validation windows.
+  double validation_accuracy() {
+    LabelledSplit some;
+    some.clips = s_.validation.clips;
+    const std::size_t all = s_.validation.windows.size(), wanted = std::min<std::size_t>(all, 256);
+    for (std::size_t i = 0; i < wanted; ++i)
+      some.windows.push_back(s_.validation.windows[i * all / wanted]);
+    const std::vector<Eigen::MatrixXd> scores =
+        predict(*classifier_, s_, some, some.windows, device_);
+    double sum = 0;
+    for (std::size_t k = 0; k < s_.tasks.size(); ++k)
+      sum += score_task(some, k, scores[k]).window_accuracy;
+    return sum / static_cast<double>(s_.tasks.size());
+  }
+
+  Setup& s_;
+  ClassifyConfig config_;
+  at::Device device_;
+  Random random_;
+  std::shared_ptr<Classifier> classifier_;
+  TrainConfig schedule_;
+  std::unique_ptr<Optimizer> optimizer_;
+};
+
+MethodScores baseline(const std::string& name, const Setup& s, const ClassifyOptions& options,
+                      bool lda) {
+  MethodScores scores{name, {}};
+  for (std::size_t k = 0; k < s.tasks.size(); ++k) {
+    const int classes = static_cast<int>(s.tasks[k].values.size());
+    scores.tasks.push_back(score_task(s.test, k,
+                                      lda ? lda_scores(s.train, s.test, k, classes, s.tokenizer,
+                                                       s.window_frames, options.config.shrinkage)
+                                          : majority_scores(s.train, s.test, k, classes)));
+  }
+  return scores;
+}
+
+void save(const ClassifyOptions& options, const Setup& s, Classifier& classifier,
+          const ClassifyResult& result) {
+  StoredModel stored = s.stored;
+  for (const Task& task : s.tasks) stored.description.classes.emplace_back(task.label, task.values);
+  stored.tensors = export_weights(classifier);
+  classifier.transformer().to(at::kCPU);
+  std::vector<ModelInput> inputs;
+  for (const SelfTestCase& one : s.stored.self_test) inputs.push_back(one.input);
+  stored.self_test = make_self_test(classifier.transformer(), inputs);
+  Json tables = Json::array();
+  for (const Table& table : classify_tables(result)) tables.push_back(table.json());
+  save_model(options.out, stored, [&](const fs::path& directory) {
+    save_json(directory / "classification.json", {{"settings", settings_json(options.config)},
+                                                  {"data", fs::absolute(options.data).string()},
+                                                  {"tables", tables}});
+  });
+}
+
+}  // namespace
+
+ClassifyResult classify(const ClassifyOptions& options) {
+  if (!options.out.empty() && fs::exists(options.out) && !looks_like_model(options.out) &&
+      !(fs::is_directory(options.out) && fs::is_empty(options.out)))
+    throw UsageError(options.out.string() + " exists and is no model folder: give another --out");
+  set_up_cpu(options.threads);
+  Setup s = set_up(options);
+  const auto start = Clock::now();
+  ClassifyResult result;
+  result.tasks = s.tasks;
+  result.window_frames = s.window_frames;
+  result.fps = s.tokenizer.config().fps;
+  result.procedural = s.dataset.procedural;
+  result.methods.push_back(baseline("Majority class", s, options, false));
+  result.methods.push_back(baseline("LDA", s, options, true));
+  Training training(s, options);
+  Classifier& classifier = training.run();
+  const std::vector<Eigen::MatrixXd> scores =
+      predict(classifier, s, s.test, s.test.windows, training.device());
+  MethodScores own{"Transformer", {}};
+  for (std::size_t k = 0; k < s.tasks.size(); ++k)
+    own.tasks.push_back(score_task(s.test, k, scores[k]));
+  result.methods.push_back(own);
+  result.seconds = 60 * minutes_since(start);
+  if (!options.out.empty()) save(options, s, classifier, result);
+  return result;
+}
+
+std::vector<Table> classify_tables(const ClassifyResult& result) {
+  std::vector<Table> tables;
+  const TaskScore& first = result.methods.front().tasks.front();
+  const std::string what = std::to_string(result.window_frames) + " frames at " +
+                           format_number(result.fps) + " per second";
+  tables.push_back(accuracy_table("Accuracy of windows (" + what + "), %", result.tasks,
+                                  result.methods, &TaskScore::window_accuracy));
+  tables.back().note(std::to_string(first.windows) + " windows of " + std::to_string(first.clips) +
+                     " clips" + (result.procedural ? ", procedural dances" : ""));
+  tables.push_back(accuracy_table("Accuracy of clips, %", result.tasks, result.methods,
+                                  &TaskScore::clip_accuracy));
+  tables.push_back(accuracy_table("Balanced accuracy of windows, %", result.tasks, result.methods,
+                                  &TaskScore::balanced_window_accuracy));
+  tables.push_back(accuracy_table("Balanced accuracy of clips, %", result.tasks, result.methods,
+                                  &TaskScore::balanced_clip_accuracy));
+  for (std::size_t k = 0; k < result.tasks.size(); ++k)
+    tables.push_back(confusion_table(result.tasks[k], result.methods.back(), k));
+  return tables;
+}
+
+}  // namespace mocaplm
