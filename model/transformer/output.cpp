@@ -48,13 +48,12 @@ struct FusedCrossEntropy : torch::autograd::Function<FusedCrossEntropy> {
                             const at::Tensor& offsets_in, const at::Tensor& centre_in,
                             const at::Tensor& target_in, std::int64_t first, std::int64_t count) {
     const at::Tensor absolute = absolute_in.contiguous(), centre = centre_in.contiguous(),
-                     target = target_in.contiguous();
-    const at::Tensor offsets = offsets_in.defined() ? offsets_in.contiguous() : offsets_in;
+                     target = target_in.contiguous(), offsets = offsets_in.contiguous();
     const std::int64_t rows = absolute.size(0), vocabulary = absolute.size(1);
-    const std::int64_t width = offsets.defined() ? offsets.size(1) : 0;
+    const std::int64_t width = offsets.size(1);
     at::Tensor loss = at::zeros({rows}, absolute.options());
     at::Tensor dabsolute = at::empty_like(absolute);
-    at::Tensor doffsets = offsets.defined() ? at::zeros_like(offsets) : at::Tensor();
+    at::Tensor doffsets = width > 0 ? at::zeros_like(offsets) : at::Tensor();
     const auto* centres = centre.data_ptr<std::int64_t>();
     const auto* targets = target.data_ptr<std::int64_t>();
     at::parallel_for(0, rows, 64, [&](std::int64_t begin, std::int64_t end) {
@@ -110,7 +109,11 @@ at::Tensor combined_cross_entropy(const at::Tensor& absolute, const at::Tensor& 
                                   const at::Tensor& centre, const at::Tensor& target,
                                   const BinRange& bins) {
   if (absolute.device().is_cpu() && absolute.scalar_type() == at::kFloat)
-    return FusedCrossEntropy::apply(absolute, offsets, centre, target, bins.first, bins.count);
+    return FusedCrossEntropy::apply(
+        absolute,
+        // LibTorch's functions take no undefined tensors.
+        offsets.defined() ? offsets : at::empty({absolute.size(0), 0}, absolute.options()), centre,
+        target, bins.first, bins.count);
   const at::Tensor logits = combined_logits(absolute, offsets, centre, bins);
   const at::Tensor wanted =
       at::log_softmax(logits, -1).gather(1, target.clamp_min(0).unsqueeze(1)).squeeze(1);

@@ -1,0 +1,170 @@
+// Blocked causal attention against the masked softmax of thesis equation 4.1, forward and backward.
+#include "model/transformer/attention.h"
+
+#include <ATen/Parallel.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "model/transformer/dropout.h"
+
+namespace mocaplm {
+
+namespace {
+
+// The whole square, and the mask as a table: query t sees keys 0..t, the last `free` see all.
+// `kept` multiplies the attention weights (dropout).
+at::Tensor plain_attention(const at::Tensor& q, const at::Tensor& k, const at::Tensor& v,
+                           std::int64_t free, const at::Tensor& kept = {}) {
+  const std::int64_t length = q.size(2);
+  at::Tensor hidden = at::zeros({length, length}, at::kBool);
+  for (std::int64_t t = 0; t < length - free; ++t)
+    for (std::int64_t s = t + 1; s < length; ++s) hidden[t][s] = true;
+  at::Tensor scores = at::matmul(q, k.transpose(2, 3)) / std::sqrt(static_cast<double>(q.size(3)));
+  scores = scores.masked_fill(hidden, -std::numeric_limits<double>::infinity());
+  at::Tensor weights = at::softmax(scores, -1);
+  if (kept.defined()) weights = weights * kept;
+  return at::matmul(weights, v);
+}
+
+struct Result {
+  at::Tensor out, dq, dk, dv;
+};
+
+template <class Attention>
+Result run(const Attention& attention, const at::Tensor& qkv, const at::Tensor& upstream) {
+  const at::Tensor q = qkv[0].detach().clone().set_requires_grad(true),
+                   k = qkv[1].detach().clone().set_requires_grad(true),
+                   v = qkv[2].detach().clone().set_requires_grad(true);
+  const at::Tensor out = attention(q, k, v);
+  out.backward(upstream);
+  return {out.detach(), q.grad(), k.grad(), v.grad()};
+}
+
+double largest_difference(const at::Tensor& a, const at::Tensor& b) {
+  return (a.to(at::kDouble) - b.to(at::kDouble)).abs().max().item<double>();
+}
+
+void expect_close(const Result& a, const Result& b, double tolerance) {
+  EXPECT_LT(largest_difference(a.out, b.out), tolerance) << "forward";
+  EXPECT_LT(largest_difference(a.dq, b.dq), tolerance) << "gradient of the queries";
+  EXPECT_LT(largest_difference(a.dk, b.dk), tolerance) << "gradient of the keys";
+  EXPECT_LT(largest_difference(a.dv, b.dv), tolerance) << "gradient of the values";
+}
+
+void compare(std::int64_t length, std::int64_t free, at::ScalarType type, double tolerance) {
+  SCOPED_TRACE("length " + std::to_string(length) + ", free " + std::to_string(free));
+  at::manual_seed(static_cast<std::uint64_t>(100 * length + free));
+  const at::Tensor qkv = at::randn({3, 2, 3, length, 5}).to(type);
+  const at::Tensor upstream = at::randn({2, 3, length, 5}).to(type);
+  const Result plain = run([&](const at::Tensor& q, const at::Tensor& k,
+                               const at::Tensor& v) { return plain_attention(q, k, v, free); },
+                           qkv.to(at::kDouble), upstream.to(at::kDouble));
+  const Result blocked =
+      run([&](const at::Tensor& q, const at::Tensor& k,
+              const at::Tensor& v) { return causal_attention(q, k, v, free, 0); },
+          qkv, upstream);
+  EXPECT_EQ(blocked.out.scalar_type(), type);
+  expect_close(blocked, plain, tolerance);
+}
+
+TEST(CausalAttention, IsTheMaskedSoftmaxAtEveryLength) {
+  for (const std::int64_t length : {1, 2, 31, 127, 128, 129, 256, 300})
+    compare(length, 0, at::kFloat, 2e-5);
+}
+
+TEST(CausalAttention, FreeQueriesSeeEverything) {
+  for (const std::int64_t length : {3, 31, 128, 129, 130, 131, 256, 300}) {
+    compare(length, 1, at::kFloat, 2e-5);
+    compare(length, 2, at::kFloat, 2e-5);
+  }
+  compare(300, 140, at::kFloat, 2e-5);  // more free queries than a block has
+  compare(20, 20, at::kFloat, 2e-5);
+}
+
+TEST(CausalAttention, IsExactInDoublePrecision) {
+  compare(300, 0, at::kDouble, 1e-12);
+  compare(300, 2, at::kDouble, 1e-12);
+}
+
+TEST(CausalAttention, IsCloseInBf16) {
+  compare(200, 0, at::kBFloat16, 0.1);
+  compare(200, 2, at::kBFloat16, 0.1);
+}
+
+TEST(CausalAttention, LargeScoresDoNotOverflow) {
+  const at::Tensor q = at::full({1, 1, 140, 4}, 1e4);
+  const at::Tensor v = at::arange(140 * 4, at::kFloat).view({1, 1, 140, 4});
+  const at::Tensor out = causal_attention(q, q, v, 0, 0);
+  EXPECT_TRUE(at::isfinite(out).all().item<bool>());
+  EXPECT_LT(largest_difference(out[0][0][139], v[0][0].mean(0)), 1e-2);  // all keys alike
+}
+
+TEST(CausalAttention, DropoutActsOnTheWeightsForwardAndBackward) {
+  const std::int64_t length = 60;  // one block, so that one mask is drawn
+  const double p = 0.3;
+  at::manual_seed(4);
+  const at::Tensor qkv = at::randn({3, 2, 2, length, 6}), upstream = at::randn({2, 2, length, 6});
+  at::manual_seed(5);
+  const Result dropped = run([&](const at::Tensor& q, const at::Tensor& k,
+                                 const at::Tensor& v) { return causal_attention(q, k, v, 0, p); },
+                             qkv, upstream);
+  at::manual_seed(5);
+  const at::Tensor kept = dropout_mask(at::empty({2, 2, length, length}), p);
+  const Result plain = run([&](const at::Tensor& q, const at::Tensor& k,
+                               const at::Tensor& v) { return plain_attention(q, k, v, 0, kept); },
+                           qkv, upstream);
+  expect_close(dropped, plain, 2e-5);
+}
+
+TEST(DropoutMask, HasTheRightShareAndScale) {
+  at::manual_seed(1);
+  for (const double p : {0.1, 0.5, 0.9}) {
+    for (const at::ScalarType type : {at::kFloat, at::kBFloat16}) {
+      const at::Tensor mask = dropout_mask(at::empty({1000, 257}, type), p).to(at::kDouble);
+      const double count = static_cast<double>(mask.numel());
+      const double zeros = (mask == 0).sum().item<double>() / count;
+      EXPECT_NEAR(zeros, p, 5 * std::sqrt(p * (1 - p) / count));
+      const at::Tensor rest = mask.masked_select(mask != 0);
+      EXPECT_NEAR(rest.min().item<double>() * (1 - p), 1, 5e-3);
+      EXPECT_EQ(rest.min().item<double>(), rest.max().item<double>());
+      EXPECT_NEAR(mask.mean().item<double>(), 1, 0.02);
+    }
+  }
+}
+
+TEST(DropoutMask, NeighboursAreIndependent) {
+  at::manual_seed(2);
+  const at::Tensor kept = (dropout_mask(at::empty({1 << 18}), 0.5) != 0).to(at::kDouble) - 0.5;
+  for (const std::int64_t lag : {1, 2, 3, 4, 5, 8, 64, 192, 1024}) {
+    const at::Tensor product = kept.slice(0, lag) * kept.slice(0, 0, kept.size(0) - lag) * 4;
+    EXPECT_LT(std::abs(product.mean().item<double>()), 5 / 512.0) << "lag " << lag;
+  }
+  const at::Tensor other = (dropout_mask(at::empty({1 << 18}), 0.5) != 0).to(at::kDouble) - 0.5;
+  EXPECT_LT(std::abs((kept * other * 4).mean().item<double>()), 5 / 512.0) << "two calls";
+}
+
+TEST(DropoutMask, FollowsTheSeedAndNotTheThreads) {
+  const auto draw = [](std::uint64_t seed) {
+    at::manual_seed(seed);
+    return dropout_mask(at::empty({333, 1001}), 0.2);
+  };
+  at::set_num_threads(1);
+  const at::Tensor one = draw(7);
+  at::set_num_threads(3);
+  EXPECT_TRUE(at::equal(draw(7), one));
+  EXPECT_FALSE(at::equal(draw(8), one));
+  at::set_num_threads(1);
+}
+
+TEST(DropoutMask, IsContiguousWhateverItIsLike) {
+  at::manual_seed(3);
+  const at::Tensor mask = dropout_mask(at::empty({4, 6}).transpose(0, 1), 0.5);
+  EXPECT_TRUE(mask.is_contiguous());
+  EXPECT_EQ(mask.sizes(), at::IntArrayRef({6, 4}));
+}
+
+}  // namespace
+
+}  // namespace mocaplm
