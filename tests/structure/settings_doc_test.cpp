@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 
+#include "classify/config.h"
 #include "common/files.h"
 #include "common/settings.h"
 #include "generate/sampler.h"
@@ -103,6 +104,10 @@ TEST(SettingsDocument, Train) {
 
 TEST(SettingsDocument, Sampling) {
   expect_documented("sampling", rows_of(SamplingConfig()));
+}
+
+TEST(SettingsDocument, Classify) {
+  expect_documented("classify", rows_of(ClassifyConfig()));
 }
 
 TEST(SettingsDocument, Import) {
