@@ -23,8 +23,8 @@ void check_depth(const std::string& text, const std::string& name) {
     else if (c == '"')
       quoted = !quoted;
     else if (!quoted && (c == '[' || c == '{') && ++depth > kMaxDepth)
-      throw DataError(at_byte(name, i), "is nested deeper than " + std::to_string(kMaxDepth) +
-                                            " lists and objects");
+      throw DataError(at_byte(name, i),
+                      "is nested deeper than " + std::to_string(kMaxDepth) + " lists and objects");
     else if (!quoted && (c == ']' || c == '}'))
       --depth;
   }
