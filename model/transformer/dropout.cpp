@@ -9,7 +9,8 @@ namespace mocaplm {
 
 namespace {
 
-// SplitMix64 (Steele, Lea, Flood 2014): a hash of the index, so that any thread can draw any element.
+// SplitMix64 (Steele, Lea, Flood 2014): a hash of the index, so that any thread can draw any
+// element.
 std::uint64_t hashed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -27,7 +28,8 @@ void fill(Value* values, std::int64_t count, double p, std::uint64_t seed) {
       const std::uint64_t bits = hashed(seed + static_cast<std::uint64_t>(i));
       const std::int64_t last = std::min<std::int64_t>(4, count - 4 * i);
       for (std::int64_t j = 0; j < last; ++j)
-        values[4 * i + j] = (bits >> (16 * j) & 0xFFFF) < threshold ? static_cast<Value>(0.f) : kept;
+        values[4 * i + j] =
+            (bits >> (16 * j) & 0xFFFF) < threshold ? static_cast<Value>(0.f) : kept;
     }
   });
 }
@@ -37,7 +39,8 @@ void fill(Value* values, std::int64_t count, double p, std::uint64_t seed) {
 at::Tensor dropout_mask(const at::Tensor& like, double p) {
   at::Tensor mask = at::empty_like(like, at::MemoryFormat::Contiguous);
   if (!mask.device().is_cpu()) return mask.bernoulli_(1 - p).div_(1 - p);
-  const auto seed = static_cast<std::uint64_t>(at::randint(INT64_MAX, {1}, at::kLong).item<std::int64_t>());
+  const auto seed =
+      static_cast<std::uint64_t>(at::randint(INT64_MAX, {1}, at::kLong).item<std::int64_t>());
   if (mask.scalar_type() == at::kBFloat16)
     fill(mask.data_ptr<at::BFloat16>(), mask.numel(), p, seed);
   else
