@@ -1,13 +1,13 @@
-// Dropout whose masks are drawn in parallel: LibTorch draws them on one core, one number at a time, which
-// took a third of a training step.
+// Dropout whose masks are drawn in parallel: LibTorch draws them on one core, one number at a time,
+// which took a third of a training step.
 #pragma once
 
 #include "model/transformer/torch.h"
 
 namespace mocaplm {
 
-// A tensor like `like` of 0 (with probability p) and 1 / (1 - p). Follows at::manual_seed and does not depend on
-// the number of threads.
+// A tensor like `like` of 0 (with probability p) and 1 / (1 - p). Follows at::manual_seed and does
+// not depend on the number of threads.
 at::Tensor dropout_mask(const at::Tensor& like, double p);
 
 }  // namespace mocaplm
