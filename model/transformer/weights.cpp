@@ -43,8 +43,8 @@ TensorMap export_weights(const torch::nn::Module& module) {
   TensorMap tensors;
   for (const auto& item : module.named_parameters()) {
     const at::Tensor value = item.value().detach().to(at::kCPU).contiguous();
-    tensors[stored_name(item.key())] = {value.sizes().vec(),
-                           {value.data_ptr<float>(), value.data_ptr<float>() + value.numel()}};
+    tensors[stored_name(item.key())] = {
+        value.sizes().vec(), {value.data_ptr<float>(), value.data_ptr<float>() + value.numel()}};
   }
   return tensors;
 }
