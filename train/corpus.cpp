@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kFewestFrames = 3;
 
 EncodedClip encode_clip(const Clip& clip, const Tokenizer& tokenizer,
-                       const std::vector<std::string>& conditions, EncodeReport& report) {
+                        const std::vector<std::string>& conditions, EncodeReport& report) {
   EncodedClip out;
   out.name = clip.name;
   out.ids = tokenizer.encode(clip, &report).ids;
