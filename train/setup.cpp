@@ -82,7 +82,8 @@ void start_from(TrainSetup& setup, const TrainOptions& options) {
   setup.config.model.dropout = setup.description.config.dropout = dropout;
   add_condition_tokens(setup, options);
   setup.model = std::make_shared<Transformer>(setup.description);
-  import_weights(*setup.model, language_tensors(stored.tensors), place + "/model.safetensors", /*may_grow=*/true);
+  import_weights(*setup.model, language_tensors(stored.tensors), place + "/model.safetensors",
+                 /*may_grow=*/true);
 }
 
 void start_again(TrainSetup& setup, const TrainOptions& options) {
