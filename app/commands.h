@@ -1,5 +1,5 @@
-// One function a command: it declares the command's options on `app` and its callback. The commands of
-// the second list need LibTorch and live in a second executable that the first one starts.
+// One function a command: it declares the command's options on `app` and its callback. The commands
+// of the second list need LibTorch and live in a second executable that the first one starts.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -6,7 +6,6 @@
 #include "common/text.h"
 #include "motion/formats/formats.h"
 #include "motion/skeleton.h"
-#include "viewer/page.h"
 
 namespace fs = std::filesystem;
 
@@ -32,6 +31,8 @@ std::vector<std::string> files_of(const std::string& stem) {
   if (ending == ".npz" || ending == ".bvh" || ending == ".html") return {stem};
   return {stem + ".npz", stem + ".bvh", stem + ".html"};
 }
+
+}  // namespace
 
 Page generated_page(const Generator& generator, const GenerateRequest& request,
                     const GenerateResult& result, const std::string& model,
@@ -62,8 +63,6 @@ Page generated_page(const Generator& generator, const GenerateRequest& request,
       {"seed", std::to_string(s.seed)}};
   return page;
 }
-
-}  // namespace
 
 Labels parse_labels(const std::vector<std::string>& texts) {
   Labels labels;

@@ -6,6 +6,7 @@
 
 #include "common/table.h"
 #include "generate/generator.h"
+#include "viewer/page.h"
 
 namespace mocaplm {
 
@@ -17,6 +18,11 @@ Labels parse_labels(const std::vector<std::string>& texts);
 void write_generated(const std::string& stem, const Generator& generator,
                      const GenerateRequest& request, const GenerateResult& result,
                      const std::string& model, const std::string& prompt);
+
+// The prompt beside the dance, with the settings that made it.
+Page generated_page(const Generator& generator, const GenerateRequest& request,
+                    const GenerateResult& result, const std::string& model,
+                    const std::string& prompt);
 
 // Length, conditions, share of frozen frames beside the prompt's own, files.
 Table generated_table(const Generator& generator, const GenerateRequest& request,

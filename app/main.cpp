@@ -7,7 +7,8 @@
 
 int main(int argc, char** argv) {
   using namespace mocaplm;
-  CLI::App app("mocaplm learns motion capture as a language and generates dances from it", "mocaplm");
+  CLI::App app("mocaplm learns motion capture as a language and generates dances from it",
+               "mocaplm");
 #ifdef MOCAPLM_WITH_TORCH
   add_train(app);
   add_classify(app);
