@@ -1,7 +1,10 @@
 #include "common/pattern.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <iterator>
 #include <regex>
 
@@ -12,11 +15,34 @@ namespace mocaplm {
 namespace {
 
 constexpr std::size_t kMaxExpression = 1000;
-constexpr std::size_t kMaxText = 4096;
+constexpr std::size_t kMaxText = 1000;
 constexpr int kMaxDepth = 12;
 constexpr std::size_t kMaxSteps = 20'000'000;
 
 struct TooManySteps {};
+
+// What one search may use. std::regex recurses for every character, so the stack is watched too.
+class Budget {
+ public:
+  void spend() {
+    const char* here = static_cast<const char*>(__builtin_frame_address(0));
+    if (++steps_ > kMaxSteps || std::abs(start_ - here) > stack_) throw TooManySteps();
+  }
+  // For reading what was found.
+  void refill() { steps_ = 0; }
+
+ private:
+  static std::ptrdiff_t half_the_stack() {
+    constexpr rlim_t kUsual = rlim_t{8} << 20;
+    rlimit limit{};
+    const bool known = ::getrlimit(RLIMIT_STACK, &limit) == 0;
+    return static_cast<std::ptrdiff_t>(std::min(known ? limit.rlim_cur : kUsual, kUsual) / 2);
+  }
+
+  std::size_t steps_ = 0;
+  const char* start_ = static_cast<const char*>(__builtin_frame_address(0));
+  std::ptrdiff_t stack_ = half_the_stack();
+};
 
 // Walks over the text and counts how often the engine looks at it: std::regex backtracks, and this
 // is the only place where it can be stopped.
@@ -29,15 +55,15 @@ class CountingIterator {
   using reference = const char&;
 
   CountingIterator() = default;
-  CountingIterator(const char* at, std::size_t* steps) : at_(at), steps_(steps) {}
+  CountingIterator(const char* at, Budget* budget) : at_(at), budget_(budget) {}
   reference operator*() const {
     count();
     return *at_;
   }
   CountingIterator& operator++() { return ++at_, *this; }
-  CountingIterator operator++(int) { return {at_++, steps_}; }
+  CountingIterator operator++(int) { return {at_++, budget_}; }
   CountingIterator& operator--() { return --at_, *this; }
-  CountingIterator operator--(int) { return {at_--, steps_}; }
+  CountingIterator operator--(int) { return {at_--, budget_}; }
   bool operator==(const CountingIterator& other) const {
     count();
     return at_ == other.at_;
@@ -46,10 +72,10 @@ class CountingIterator {
 
  private:
   void count() const {
-    if (steps_ != nullptr && ++*steps_ > kMaxSteps) throw TooManySteps();
+    if (budget_ != nullptr) budget_->spend();
   }
   const char* at_ = nullptr;
-  std::size_t* steps_ = nullptr;
+  Budget* budget_ = nullptr;
 };
 
 }  // namespace
@@ -141,13 +167,13 @@ Pattern::Pattern(Pattern&&) noexcept = default;
 
 std::optional<Pattern::Match> Pattern::search(const std::string& text) const {
   if (text.size() > kMaxText)
-    state_->fail("cannot be tried on a text of more than 4096 characters");
-  std::size_t steps = 0;
+    state_->fail("cannot be tried on a text of more than 1000 characters");
+  Budget budget;
   std::match_results<CountingIterator> found;
   try {
     const char* begin = text.data();
-    if (!std::regex_search(CountingIterator(begin, &steps),
-                           CountingIterator(begin + text.size(), &steps), found, state_->regex))
+    if (!std::regex_search(CountingIterator(begin, &budget),
+                           CountingIterator(begin + text.size(), &budget), found, state_->regex))
       return std::nullopt;
   } catch (const TooManySteps&) {
     state_->fail("takes too long on \"" + text.substr(0, 100) +
@@ -155,7 +181,7 @@ std::optional<Pattern::Match> Pattern::search(const std::string& text) const {
   } catch (const std::regex_error& error) {
     state_->fail(std::string("fails on \"") + text.substr(0, 100) + "\": " + error.what());
   }
-  steps = 0;
+  budget.refill();
   Match match;
   match.whole = found[0].str();
   for (std::size_t g = 0; g < state_->group_names.size() && g + 1 < found.size(); ++g) {

@@ -25,7 +25,7 @@ class Pattern {
   };
 
   // The first place in `text` where it matches. Throws UsageError when the search takes too many
-  // steps (as "(a+)+$" does) or the text has more than 4096 characters.
+  // steps (as "(a+)+$" does) or the text has more than 1000 characters.
   std::optional<Match> search(const std::string& text) const;
   // The names of its named groups.
   std::vector<std::string> names() const;
