@@ -97,7 +97,8 @@ std::vector<Table> describe_tokenizer(const fs::path& path) {
 std::vector<Table> describe_model(const fs::path& path) {
   const ModelDescription model = load_description(path);
   Table table(path.string(), {"model", model.config.architecture});
-  for (const auto& item : settings_json(model.config).items())
+  const Json settings = settings_json(model.config);  // items() only points into it
+  for (const auto& item : settings.items())
     if (item.key() != "architecture") table.row({item.key(), item.value()});
   table.row({"vocabulary", model.shape.vocabulary});
   table.row({"tokens per frame", model.shape.tokens_per_frame()});
