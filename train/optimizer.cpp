@@ -7,11 +7,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "common/error.h"
 #include "common/files.h"
 
 namespace mocaplm {
+
+namespace {
+
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
+
+}  // namespace
 
 double scheduled_rate(const TrainConfig& config, std::int64_t step, double progress) {
   constexpr double kPi = 3.14159265358979323846;
@@ -60,17 +69,34 @@ double Optimizer::step(double learning_rate) {
 
 void Optimizer::save(const std::filesystem::path& path) const {
   write_file_with(path, [&](const std::filesystem::path& temporary) {
-    torch::save(*adamw_, temporary.string());
+    try {
+      torch::save(*adamw_, temporary.string());
+    } catch (const c10::Error& error) {
+      throw DataError(in_file(path.string()), "cannot be written: " + first_line(error.what()));
+    }
   });
 }
 
 void Optimizer::load(const std::filesystem::path& path) {
   try {
     torch::load(*adamw_, path.string());
-  } catch (const c10::Error& error) {
+  } catch (const std::exception& error) {  // LibTorch raises more than c10::Error here
     throw DataError(in_file(path.string()),
-                    std::string("is not the optimiser's state of this model: ") +
-                        error.what_without_backtrace());
+                    "is not a sound state of the optimiser: " + first_line(error.what()));
+  }
+  // LibTorch does not look at the shapes.
+  std::multiset<std::vector<std::int64_t>> shapes;
+  for (const at::Tensor& parameter : parameters_) shapes.insert(parameter.sizes().vec());
+  for (const auto& item : adamw_->state()) {
+    const auto& state = static_cast<const torch::optim::AdamWParamState&>(*item.second);
+    const at::Tensor first = state.exp_avg(), second = state.exp_avg_sq();
+    const auto shape = first.defined() ? shapes.find(first.sizes().vec()) : shapes.end();
+    if (shape == shapes.end() || !second.defined() || second.sizes() != first.sizes() ||
+        first.scalar_type() != at::kFloat || second.scalar_type() != at::kFloat)
+      throw DataError(in_file(path.string()), "is the optimiser's state of another model");
+    if (!at::isfinite(first).all().item<bool>() || !at::isfinite(second).all().item<bool>())
+      throw DataError(in_file(path.string()), "holds values that are not finite");
+    shapes.erase(shape);
   }
 }
 

@@ -333,6 +333,7 @@ TEST_F(Training, Bf16AndF32LearnAlike) {
   std::printf("largest difference of the loss curves: %.4f nats, last loss %.4f\n", worst,
               curves["f32"].back().at("loss").get<double>());
   EXPECT_LT(worst, 0.03);
+  EXPECT_GT(worst, 0);  // two computations, not one
 }
 
 }  // namespace
