@@ -1,10 +1,12 @@
 // mocaplm generate: a dance from a few joints, a continuation, or from nothing.
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/generated.h"
 #include "app/options.h"
+#include "common/error.h"
 #include "common/progress.h"
 #include "motion/formats/formats.h"
 #include "motion/skeleton.h"
@@ -22,12 +24,28 @@ struct GenerateCommand {
   int threads = 0;
 };
 
+std::string numbered(const GenerateCommand& command, std::int64_t i) {
+  return command.count == 1 ? command.out : command.out + "-" + std::to_string(i + 1);
+}
+
+// What is read must not be written over.
+void check_out(const GenerateCommand& command) {
+  if (command.prompt.empty()) return;
+  std::error_code missing;
+  for (std::int64_t i = 0; i < command.count; ++i)
+    for (const std::string& file : generated_files(numbered(command, i)))
+      if (std::filesystem::equivalent(file, command.prompt, missing))
+        throw UsageError("--out would replace the prompt " + command.prompt +
+                         ": give another --out");
+}
+
 void run_generate(GenerateCommand& command) {
   GenerateRequest& request = command.request;
   request.labels = parse_labels(command.labels);
   for (const auto& [name, value] : command.named)
     if (!value.empty()) request.labels[name] = value;
   request.joints = parse_joints(command.joints);
+  check_out(command);
   set_engine_threads(command.threads);
   const std::string place = resolve_model(command.model).string();
   Generator generator(load_model(command.model), place);
@@ -35,8 +53,7 @@ void run_generate(GenerateCommand& command) {
   const std::int64_t seed = request.sampling.seed;
   for (std::int64_t i = 0; i < command.count; ++i) {
     request.sampling.seed = seed + i;
-    const std::string stem =
-        command.count == 1 ? command.out : command.out + "-" + std::to_string(i + 1);
+    const std::string stem = numbered(command, i);
     Progress bar("generate", 0, "frames");
     const GenerateResult result =
         generator.generate(request, [&](std::size_t done, std::size_t) { bar.update(done); });

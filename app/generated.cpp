@@ -25,13 +25,6 @@ std::string joints_text(const std::vector<int>& joints) {
   return names.empty() ? "none" : join(names, ", ");
 }
 
-// The files to write: one for a stem with a known ending, else all three.
-std::vector<std::string> files_of(const std::string& stem) {
-  const std::string ending = fs::path(stem).extension().string();
-  if (ending == ".npz" || ending == ".bvh" || ending == ".html") return {stem};
-  return {stem + ".npz", stem + ".bvh", stem + ".html"};
-}
-
 }  // namespace
 
 Page generated_page(const Generator& generator, const GenerateRequest& request,
@@ -64,6 +57,12 @@ Page generated_page(const Generator& generator, const GenerateRequest& request,
   return page;
 }
 
+std::vector<std::string> generated_files(const std::string& stem) {
+  const std::string ending = fs::path(stem).extension().string();
+  if (ending == ".npz" || ending == ".bvh" || ending == ".html") return {stem};
+  return {stem + ".npz", stem + ".bvh", stem + ".html"};
+}
+
 Labels parse_labels(const std::vector<std::string>& texts) {
   Labels labels;
   for (const std::string& text : texts) {
@@ -78,7 +77,7 @@ Labels parse_labels(const std::vector<std::string>& texts) {
 void write_generated(const std::string& stem, const Generator& generator,
                      const GenerateRequest& request, const GenerateResult& result,
                      const std::string& model, const std::string& prompt) {
-  for (const std::string& file : files_of(stem)) {
+  for (const std::string& file : generated_files(stem)) {
     if (fs::path(file).extension() == ".html")
       write_page(file, generated_page(generator, request, result, model, prompt));
     else
@@ -96,7 +95,7 @@ Table generated_table(const Generator& generator, const GenerateRequest& request
   table.row({"frames where nothing moves", format_fixed(100 * result.frozen, 1) + " %"});
   if (result.context.frames() > 0)
     table.row({"the same in the prompt", format_fixed(100 * result.context_frozen, 1) + " %"});
-  table.row({"files", join(files_of(stem), " ")});
+  table.row({"files", join(generated_files(stem), " ")});
   for (const std::string& note : result.notes) table.note("note: " + note);
   if (generator.description().procedural)
     table.note("note: the model was trained on procedural dances");

@@ -13,8 +13,10 @@ namespace mocaplm {
 // {"genre=waack", ...} -> labels. Throws UsageError for a text without "=".
 Labels parse_labels(const std::vector<std::string>& texts);
 
-// Writes STEM.npz, STEM.bvh and STEM.html (the prompt beside the dance); STEM may end in one of
-// these to get only that file.
+// STEM.npz, STEM.bvh and STEM.html; STEM may end in one of these to get only that file.
+std::vector<std::string> generated_files(const std::string& stem);
+
+// Writes these files; the page plays the prompt beside the dance.
 void write_generated(const std::string& stem, const Generator& generator,
                      const GenerateRequest& request, const GenerateResult& result,
                      const std::string& model, const std::string& prompt);

@@ -48,6 +48,16 @@ void add_commands_with_torch(CLI::App& app) {
 
 namespace {
 
+// LibTorch says on many lines that there is no memory (RAM or the GPU's), as an error of its own.
+bool is_out_of_memory(const std::string& message) {
+  for (const char* part : {"not enough memory", "allocate memory", "out of memory"})
+    if (message.find(part) != std::string::npos) return true;
+  return false;
+}
+
+constexpr const char* kOutOfMemory =
+    "out of memory: the input, model or batch is too large for this machine";
+
 // What to say when the first word names no command; "" when it does or is an option.
 std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return "";
@@ -83,8 +93,9 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const std::filesystem::filesystem_error& error) {
     return report(ExitCode::data, error.path1().string() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {
-    return report(ExitCode::data, "out of memory: the input is too large for this machine");
+    return report(ExitCode::data, kOutOfMemory);
   } catch (const std::exception& error) {
+    if (is_out_of_memory(error.what())) return report(ExitCode::data, kOutOfMemory);
     return report(ExitCode::internal, std::string("internal error: ") + error.what());
   }
 }

@@ -1,4 +1,5 @@
 // mocaplm train: pre-train on a dataset, fine-tune with --from, go on with --resume.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -18,8 +19,22 @@ struct TrainCommand {
   RunConfig given;  // what the command line says; only options that were used count
 };
 
+// A resumed run keeps its settings; options that would change them are refused, not ignored.
+void check_resume(const CLI::App& app) {
+  const std::vector<std::string> allowed = {"--out", "--resume", "--data", "--device", "--threads"};
+  for (const CLI::Option* option : app.get_options())
+    if (option->count() > 0 &&
+        std::find(allowed.begin(), allowed.end(), option->get_name()) == allowed.end())
+      throw UsageError(option->get_name() +
+                       " cannot be given with --resume: a run goes on with its own settings "
+                       "(settings.json); start another one with --from");
+  for (const CLI::App* group : app.get_subcommands([](const CLI::App*) { return true; }))
+    check_resume(*group);
+}
+
 void run_train(const CLI::App& app, TrainCommand& command) {
   TrainOptions& options = command.options;
+  if (options.resume) check_resume(app);
   if (!command.config_file.empty()) options.config = load_run_config(command.config_file);
   overlay_options(app, command.given.tokenizer, options.config.tokenizer);
   overlay_options(app, command.given.model, options.config.model);
@@ -27,7 +42,7 @@ void run_train(const CLI::App& app, TrainCommand& command) {
   if (!command.from.empty()) options.from = command.from;
   if (!options.resume && options.data.empty())
     throw UsageError("--data is required (a folder made by 'mocaplm import' or 'mocaplm synth')");
-  std::printf("%s\n", to_json(options.config).dump(2).c_str());
+  if (!options.resume) std::printf("%s\n", to_json(options.config).dump(2).c_str());
   std::fflush(stdout);
   const TrainResult result = train(options);
   std::printf(

@@ -167,8 +167,7 @@ class Walk {
     result_ =
         generator_->generate(request_, [&](std::size_t done, std::size_t) { bar.update(done); });
     bar.finish();
-    write_clip((out_ / "dance.npz").string(), result_.clip);
-    write_clip((out_ / "dance.bvh").string(), result_.clip);
+    write_generated((out_ / "dance").string(), *generator_, request_, result_, "model", prompt_name_);
     std::fputs(
         generated_table(*generator_, request_, result_, (out_ / "dance").string()).text().c_str(),
         stdout);

@@ -14,7 +14,7 @@ struct ClassifyConfig {
   std::int64_t steps = 500;
   std::int64_t batch_size = 16;
   double learning_rate = 0;
-  double dropout = 0.1;
+  double dropout = 0;
   double language_loss = 1;
   bool mirror = false;
   std::int64_t validate_every = 50;

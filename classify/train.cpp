@@ -279,12 +279,19 @@ void save(const ClassifyOptions& options, const Setup& s, Classifier& classifier
   });
 }
 
+// Only an earlier classifier is replaced: a language model may have taken days.
+void check_out(const fs::path& out) {
+  if (out.empty() || !fs::exists(out) || (fs::is_directory(out) && fs::is_empty(out))) return;
+  if (!looks_like_model(out))
+    throw UsageError(out.string() + " exists and is no classifier's folder: give another --out");
+  if (!fs::exists(out / "config.json") || load_description(out).classes.empty())
+    throw UsageError(out.string() + " holds a model that is no classifier: give another --out");
+}
+
 }  // namespace
 
 ClassifyResult classify(const ClassifyOptions& options) {
-  if (!options.out.empty() && fs::exists(options.out) && !looks_like_model(options.out) &&
-      !(fs::is_directory(options.out) && fs::is_empty(options.out)))
-    throw UsageError(options.out.string() + " exists and is no model folder: give another --out");
+  check_out(options.out);
   set_up_cpu(options.threads);
   Setup s = set_up(options);
   const auto start = Clock::now();

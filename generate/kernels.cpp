@@ -206,11 +206,8 @@ void layer_norm(const float* x, const float* weight, const float* bias, std::int
 }
 
 void gelu(float* x, std::int64_t count) {
-  constexpr float kRoot = 0.7978845608028654f;  // sqrt(2 / pi)
-  for (std::int64_t i = 0; i < count; ++i) {
-    const float v = x[i];
-    x[i] = 0.5f * v * (1 + std::tanh(kRoot * (v + 0.044715f * v * v * v)));
-  }
+  constexpr float kRootHalf = 0.7071067811865476f;
+  for (std::int64_t i = 0; i < count; ++i) x[i] *= 0.5f * (1 + std::erf(kRootHalf * x[i]));
 }
 
 }  // namespace mocaplm

@@ -49,7 +49,7 @@ void attend(const float* query, const float* keys, const float* values, std::int
 void layer_norm(const float* x, const float* weight, const float* bias, std::int64_t rows,
                 std::int64_t width, float* y);
 
-// GELU by the tanh formula of GPT-2, in place.
+// GELU x Phi(x), in place.
 void gelu(float* x, std::int64_t count);
 
 }  // namespace mocaplm

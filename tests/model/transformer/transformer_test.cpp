@@ -109,7 +109,7 @@ class Reference {
            w_.at(name + ".bias");
   }
   static at::Tensor gelu(const at::Tensor& x) {
-    return 0.5 * x * (1 + at::tanh(std::sqrt(2 / M_PI) * (x + 0.044715 * x * x * x)));
+    return 0.5 * x * (1 + at::erf(x / std::sqrt(2)));
   }
   at::Tensor attention(const at::Tensor& qkv, std::int64_t free) const {
     const std::int64_t length = qkv.size(1), head = d_.config.n_embd / d_.config.n_head;
