@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "app/demo_config.h"
 #include "app/generated.h"
 #include "classify/train.h"
 #include "common/error.h"
@@ -42,19 +43,9 @@ const std::vector<std::string> kParts = {"dances",
 // Shares of the time for training.
 constexpr double kPretrain = 0.5, kFineTune = 0.15, kClassify = 0.35;
 
-// The settings of configs/demo.json, built in so that the demo runs from anywhere; a test compares
-// the two.
 RunConfig demo_config(const WalkOptions& options) {
-  RunConfig config;
-  config.model.n_embd = 128;
-  config.model.dropout = 0;
-  config.train.steps = 100000;
-  config.train.batch_size = config.train.micro_batch = 8;
-  config.train.learning_rate = 1.5e-3;
-  config.train.warmup = 30;
-  config.train.validate_every = 50;
-  config.train.validation_windows = 24;
-  config.train.save_every = 1000;
+  RunConfig config =
+      run_config_from_json(parse_json(kDemoConfig, "configs/demo.json"), "configs/demo.json");
   config.train.seed = options.seed;
   return config;
 }
@@ -167,7 +158,8 @@ class Walk {
     result_ =
         generator_->generate(request_, [&](std::size_t done, std::size_t) { bar.update(done); });
     bar.finish();
-    write_generated((out_ / "dance").string(), *generator_, request_, result_, "model", prompt_name_);
+    write_generated((out_ / "dance").string(), *generator_, request_, result_, "model",
+                    prompt_name_);
     std::fputs(
         generated_table(*generator_, request_, result_, (out_ / "dance").string()).text().c_str(),
         stdout);
@@ -193,7 +185,9 @@ class Walk {
     }
     write_file(out_ / "classification.txt", text);
     save_json(out_ / "classification.json", json);
-    tables_.erase(tables_.begin() + 2, tables_.end());  // windows and clips: the page and the terminal show these, the files all
+    tables_.erase(
+        tables_.begin() + 2,
+        tables_.end());  // windows and clips: the page and the terminal show these, the files all
     for (const Table& table : tables_) std::printf("%s\n", table.text().c_str());
   }
 

@@ -13,14 +13,11 @@ namespace mocaplm {
 namespace {
 
 Tokenizer fit_tokenizer(const TokenizerConfig& config, const Dataset& dataset) {
-  std::vector<Clip> clips;
-  // Only translation ranges are fitted; the rate and the yaw are needed for them, so whole clips
-  // are read.
-  for (const DatasetEntry& entry : dataset.split("train"))
-    clips.push_back(load_clip(dataset, entry));
-  if (clips.empty())
+  const std::vector<DatasetEntry> entries = dataset.split("train");
+  if (entries.empty())
     throw DataError(in_file(dataset.directory.string()), "the split \"train\" is empty");
-  return Tokenizer::fit(config, clips);
+  return Tokenizer::fit(config, entries.size(),
+                        [&](std::size_t i) { return load_clip(dataset, entries[i]); });
 }
 
 // The labels that head each window: those asked for, or, when fine-tuning, all that the data has.
