@@ -63,7 +63,7 @@ NamedTensor read_tensor(const Json& entry, const std::string& name, const std::s
                                                     std::to_string(end - available) +
                                                     " bytes more: the file is cut off");
   tensor.values.resize(count);
-  std::memcpy(tensor.values.data(), data.data() + base + begin, 4 * count);
+  if (count > 0) std::memcpy(tensor.values.data(), data.data() + base + begin, 4 * count);
   for (std::uint64_t i = 0; i < count; ++i)
     if (!std::isfinite(tensor.values[i]))
       throw DataError(at_byte(file, base + begin + 4 * i),
