@@ -1,0 +1,109 @@
+// The walk from dances to a page, every step a command; then what goes on and what does not.
+#include "app/trained_run.h"
+#include "motion/formats/formats.h"
+#include "motion/skeleton.h"
+
+namespace fs = std::filesystem;
+
+namespace mocaplm {
+namespace {
+
+using TrainingCommands = TrainedRun;
+
+std::string prompt() {
+  return "gWA_sBM_cAll_d25_mWA1_ch01";
+}
+
+TEST_F(TrainingCommands, ARunHoldsModelsALogAndItsSettings) {
+  for (const char* run : {"run", "tuned"})
+    for (const char* file : {"settings.json", "log.jsonl", "best/complete", "last/optimizer.pt"})
+      EXPECT_TRUE(fs::exists(path(run) / file)) << run << "/" << file;
+  EXPECT_EQ(load_json(path("run/best/config.json"))["conditions"].size(), 0u);
+  EXPECT_EQ(load_json(path("tuned/best/config.json"))["conditions"].size(), 5u);
+  EXPECT_EQ(load_json(path("run/settings.json"))["config"]["train"]["steps"], 4);
+  // --steps on the command line wins over the config file.
+  EXPECT_EQ(load_json(path("tuned/settings.json"))["config"]["train"]["steps"], 2);
+  for (const char* where : {"run", "tuned", "run/last", "run/best/config.json", "data"})
+    must("info " + at(where) + " --json " + at("info.json"));
+}
+
+TEST_F(TrainingCommands, GenerateKeepsThePromptAndWritesThreeFiles) {
+  const fs::path clip = path("data/clips/" + prompt() + ".npz");
+  const std::string text =
+      must("generate --model " + at("tuned") + " --prompt '" + clip.string() +
+           "' --joints right_arm --genre waack --dancer d25 --seconds 1 --seed 3 --out " +
+           at("dance") + " --json " + at("dance.json"));
+  EXPECT_NE(text.find("procedural"), std::string::npos) << text;
+  const Clip dance = read_clip(path("dance.npz"), {}), bvh = read_clip(path("dance.bvh"), {});
+  EXPECT_EQ(dance.frames(), 20);
+  EXPECT_EQ(bvh.frames(), 20);
+  for (Eigen::Index t = 0; t < 20; ++t)
+    EXPECT_LT((joint_positions(dance, t) - joint_positions(bvh, t)).cwiseAbs().maxCoeff(), 1e-4);
+  // The prompt's own frames: 60 per second, every third is one of the model's.
+  const Clip given = read_clip(clip, {});
+  const int shoulder = 17;
+  ASSERT_EQ(joint_names()[shoulder], "right_shoulder");
+  for (Eigen::Index t = 0; t < 20; ++t)
+    EXPECT_LT((dance.poses.row(t) - given.poses.row(3 * t)).segment<3>(3 * shoulder).norm(), 1e-5)
+        << t;
+  EXPECT_GT(fs::file_size(path("dance.html")), 100000u);
+  EXPECT_NE(read_file(path("dance.html")).find("waack"), std::string::npos);
+  EXPECT_TRUE(load_json(path("dance.json")).is_object());
+}
+
+TEST_F(TrainingCommands, GenerateContinuesCountsAndRepeats) {
+  const std::string model = "generate --seconds 0.5 --model ";
+  must(model + at("run") + " --count 2 --seed 5 --out " + at("free"));
+  must(model + at("run") + " --seed 6 --out " + at("again.npz"));
+  EXPECT_EQ(read_clip(path("free-2.npz"), {}).poses, read_clip(path("again.npz"), {}).poses);
+  EXPECT_FALSE(fs::exists(path("again.bvh")));
+  // Half a second more than one second of prompt.
+  must(model + at("run") + " --prompt " + at("data/clips/" + prompt() + ".npz") +
+       " --prompt-seconds 1 --strategy greedy --out " + at("more.bvh"));
+  EXPECT_EQ(read_clip(path("more.bvh"), {}).frames(), 30);
+  must("view " + at("free-1.npz") + " " + at("more.bvh") + " --out " + at("page.html"));
+  EXPECT_GT(fs::file_size(path("page.html")), 100000u);
+}
+
+TEST_F(TrainingCommands, ClassifyPrintsTheThreeMethodsAndKeepsAClassifier) {
+  const std::string classify = "classify --threads 1 --steps 2 --labels genre --model " +
+                               at("run") + " --data " + at("data");
+  const std::string text =
+      must(classify + " --out " + at("classifier") + " --json " + at("classify.json"));
+  for (const char* part : {"Majority class", "LDA", "Transformer", "house", "Balanced"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  EXPECT_EQ(load_json(path("classify.json")).size(), 5u);
+  EXPECT_EQ(load_json(path("classifier/config.json"))["classes"].size(), 1u);
+  EXPECT_NE(must("info " + at("classifier")).find("classifies genre"), std::string::npos);
+  must(classify + " --out " + at("classifier"));  // an earlier classifier may be replaced
+  refused(classify + " --out " + at("tuned"), 2, "tuned");
+  refused(classify + " --out " + at("run/best"), 2, "no classifier");
+  refused(classify + " --out " + at("data"), 2, "data");
+}
+
+TEST_F(TrainingCommands, EvaluatePrintsBitsBesideBaselines) {
+  const std::string evaluate =
+      "evaluate --threads 1 --model " + at("tuned") + " --data " + at("data");
+  must(evaluate + " --by genre --json " + at("bits.json"));
+  const Json tables = load_json(path("bits.json"));
+  ASSERT_EQ(tables.size(), 2u);
+  EXPECT_NE(tables.dump().find("right_shoulder"), std::string::npos);
+}
+
+TEST_F(TrainingCommands, ResumeGoesOnWithTheRunsOwnSettings) {
+  // A run cut off after its first checkpoint: last/ is as it was after 2 of 4 steps.
+  const std::string train = "train --threads 1 --out ";
+  Json config = TrainedRun::config();
+  config["train"]["steps"] = 2;
+  write_file(path("short.json"), config.dump());
+  must(train + at("short") + " --config " + at("short.json") + " --data " + at("data"));
+  edit_json(path("short/settings.json"), "/config/train/steps", 4);
+  refused(train + at("short") + " --resume --steps 9", 2, "--steps");
+  refused(train + at("short") + " --resume --config " + at("config.json"), 2, "--config");
+  refused(train + at("short") + " --resume --from " + at("run"), 2, "--from");
+  must(train + at("short") + " --resume");
+  EXPECT_EQ(load_json(path("short/last/state.json"))["step"], 4);
+}
+
+}  // namespace
+}  // namespace mocaplm
