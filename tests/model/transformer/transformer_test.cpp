@@ -108,9 +108,7 @@ class Reference {
     return centred / (centred.square().mean({2}, true) + 1e-5).sqrt() * w_.at(name + ".weight") +
            w_.at(name + ".bias");
   }
-  static at::Tensor gelu(const at::Tensor& x) {
-    return 0.5 * x * (1 + at::erf(x / std::sqrt(2)));
-  }
+  static at::Tensor gelu(const at::Tensor& x) { return 0.5 * x * (1 + at::erf(x / std::sqrt(2))); }
   at::Tensor attention(const at::Tensor& qkv, std::int64_t free) const {
     const std::int64_t length = qkv.size(1), head = d_.config.n_embd / d_.config.n_head;
     at::Tensor mask =
