@@ -16,7 +16,9 @@ void add_demo(CLI::App& app) {
       ->capture_default_str();
   demo->add_option("--dancer", options->dancer,
                    "dancer of the generated dance (default: the first of the genre)");
-  demo->add_option("--minutes", options->minutes, "time for all training together")
+  demo->add_option("--minutes", options->minutes,
+                   "time for all training together; a time, not a count of steps, so two demos "
+                   "differ a little")
       ->check(CLI::Range(0.05, 600.0))
       ->check(BindOptions::finite())
       ->capture_default_str();
