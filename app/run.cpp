@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <new>
 
@@ -22,6 +23,10 @@ int report(ExitCode code, const std::string& message) {
 }
 
 [[noreturn]] void start_with_torch() {
+  // OpenMP's threads wait for work by spinning for milliseconds, which costs everything when
+  // another program has a core: let them spin for tens of microseconds. It is read when the other
+  // program loads.
+  if (std::getenv("OMP_WAIT_POLICY") == nullptr) ::setenv("GOMP_SPINCOUNT", "20000", 0);
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe");
   const std::filesystem::path other = self.parent_path() / "mocaplm-torch";
   ::execv(other.c_str(), g_argv);
