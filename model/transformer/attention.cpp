@@ -1,9 +1,12 @@
 #include "model/transformer/attention.h"
 
+#include <ATen/Parallel.h>
+
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "model/transformer/cpu/attention.h"
 #include "model/transformer/dropout.h"
 
 namespace mocaplm {
@@ -96,7 +99,62 @@ struct BlockedAttention : torch::autograd::Function<BlockedAttention> {
   }
 };
 
+cpu::bf16* halves(const at::Tensor& tensor) {
+  return reinterpret_cast<cpu::bf16*>(tensor.data_ptr<at::BFloat16>());
+}
+
+// The kernels of cpu/ as a differentiable function; what is saved is the input, the output and one
+// number a query.
+struct FusedAttention : torch::autograd::Function<FusedAttention> {
+  static at::Tensor forward(AutogradContext* context, const at::Tensor& given, std::int64_t free,
+                            double dropout) {
+    const at::Tensor qkv = given.contiguous();
+    cpu::AttentionShape shape{qkv.size(0), qkv.size(1), qkv.size(3), qkv.size(4), free, dropout, 0};
+    if (dropout > 0) shape.seed = random_seed();
+    const at::Tensor out =
+        at::empty({shape.batch, shape.length, shape.heads, shape.width}, qkv.options());
+    const at::Tensor log_sum = at::empty({shape.batch, shape.heads, shape.length}, at::kFloat);
+    at::parallel_for(0, shape.batch * shape.heads, 1, [&](std::int64_t first, std::int64_t last) {
+      cpu::attention_forward(shape, halves(qkv), halves(out), log_sum.data_ptr<float>(), first,
+                             last);
+    });
+    context->save_for_backward({qkv, out, log_sum});
+    context->saved_data["free"] = free;
+    context->saved_data["dropout"] = dropout;
+    context->saved_data["seed"] = static_cast<std::int64_t>(shape.seed);
+    return out;
+  }
+
+  static variable_list backward(AutogradContext* context, const variable_list& grads) {
+    const variable_list saved = context->get_saved_variables();
+    const at::Tensor &qkv = saved[0], &out = saved[1], &log_sum = saved[2];
+    const at::Tensor dout = grads[0].contiguous(), dqkv = at::empty_like(qkv);
+    const cpu::AttentionShape shape{
+        qkv.size(0),
+        qkv.size(1),
+        qkv.size(3),
+        qkv.size(4),
+        context->saved_data["free"].toInt(),
+        context->saved_data["dropout"].toDouble(),
+        static_cast<std::uint64_t>(context->saved_data["seed"].toInt())};
+    at::parallel_for(0, shape.batch * shape.heads, 1, [&](std::int64_t first, std::int64_t last) {
+      cpu::attention_backward(shape, halves(qkv), halves(out), log_sum.data_ptr<float>(),
+                              halves(dout), halves(dqkv), first, last);
+    });
+    return {dqkv, at::Tensor(), at::Tensor()};
+  }
+};
+
 }  // namespace
+
+at::Tensor packed_causal_attention(const at::Tensor& qkv, std::int64_t free, double dropout) {
+  if (qkv.device().is_cpu() && qkv.scalar_type() == at::kBFloat16 &&
+      cpu::attention_available(qkv.size(4)))
+    return FusedAttention::apply(qkv, free, dropout);
+  // (3, B, H, T, D), one copy that makes every product contiguous
+  const at::Tensor turned = qkv.permute({2, 0, 3, 1, 4}).contiguous();
+  return causal_attention(turned[0], turned[1], turned[2], free, dropout).transpose(1, 2);
+}
 
 at::Tensor causal_attention(const at::Tensor& q, const at::Tensor& k, const at::Tensor& v,
                             std::int64_t free, double dropout) {

@@ -12,4 +12,8 @@ namespace mocaplm {
 at::Tensor causal_attention(const at::Tensor& q, const at::Tensor& k, const at::Tensor& v,
                             std::int64_t free, double dropout);
 
+// The same on qkv (B, T, 3, H, D) as the projection leaves it; returns (B, T, H, D). In bf16 on a
+// processor with AVX512_BF16 it runs on kernels of its own (cpu/attention.h).
+at::Tensor packed_causal_attention(const at::Tensor& qkv, std::int64_t free, double dropout);
+
 }  // namespace mocaplm

@@ -36,11 +36,14 @@ void fill(Value* values, std::int64_t count, double p, std::uint64_t seed) {
 
 }  // namespace
 
+std::uint64_t random_seed() {
+  return static_cast<std::uint64_t>(at::randint(INT64_MAX, {1}, at::kLong).item<std::int64_t>());
+}
+
 at::Tensor dropout_mask(const at::Tensor& like, double p) {
   at::Tensor mask = at::empty_like(like, at::MemoryFormat::Contiguous);
   if (!mask.device().is_cpu()) return mask.bernoulli_(1 - p).div_(1 - p);
-  const auto seed =
-      static_cast<std::uint64_t>(at::randint(INT64_MAX, {1}, at::kLong).item<std::int64_t>());
+  const std::uint64_t seed = random_seed();
   if (mask.scalar_type() == at::kBFloat16)
     fill(mask.data_ptr<at::BFloat16>(), mask.numel(), p, seed);
   else

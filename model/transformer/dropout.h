@@ -10,4 +10,7 @@ namespace mocaplm {
 // not depend on the number of threads.
 at::Tensor dropout_mask(const at::Tensor& like, double p);
 
+// A seed from LibTorch's generator, so that at::manual_seed decides it.
+std::uint64_t random_seed();
+
 }  // namespace mocaplm

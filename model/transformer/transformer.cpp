@@ -134,15 +134,11 @@ at::Tensor Transformer::embed(const Batch& batch) const {
 at::Tensor Transformer::block(const BlockWeights& w, const at::Tensor& x, std::int64_t free) const {
   const std::int64_t batch = x.size(0), length = x.size(1), width = x.size(2);
   const std::int64_t heads = description_.config.n_head;
-  // (3, B, H, T, D), one copy that makes every product below contiguous
   const at::Tensor qkv = linear(at::layer_norm(x, {width}, w.ln1_w, w.ln1_b), w.qkv_w, w.qkv_b)
-                             .view({batch, length, 3, heads, width / heads})
-                             .permute({2, 0, 3, 1, 4})
-                             .contiguous();
+                             .view({batch, length, 3, heads, width / heads});
   const double dropout = is_training() ? description_.config.dropout : 0;
-  const at::Tensor attended = causal_attention(qkv[0], qkv[1], qkv[2], free, dropout)
-                                  .transpose(1, 2)
-                                  .reshape({batch, length, width});
+  const at::Tensor attended =
+      packed_causal_attention(qkv, free, dropout).reshape({batch, length, width});
   const at::Tensor middle = x + drop(linear(attended, w.proj_w, w.proj_b));
   // The exact GELU: in bf16 LibTorch 1.13's tanh formula takes eight times as long on a CPU.
   const at::Tensor up =

@@ -32,7 +32,8 @@ const std::vector<Directory> kDirectories = {
     {"motion", {"common", "numeric"}},
     {"tokenizer", {"common", "numeric", "motion"}},
     {"model", {"common"}},
-    {"model/transformer", {"common", "model"}, true},
+    {"model/transformer/cpu", {}},
+    {"model/transformer", {"common", "model", "model/transformer/cpu"}, true},
     {"train", {"common", "motion", "tokenizer", "model", "model/transformer"}, true},
     {"generate", {"common", "motion", "tokenizer", "model"}},
     {"classify",
@@ -55,12 +56,10 @@ const Directory* find_directory(const std::string& name) {
 
 // The entry of a path relative to the root: the longest that it begins with.
 const Directory* directory_of(const std::string& path) {
-  const std::size_t first = path.find('/');
-  if (first == std::string::npos) return nullptr;
-  const std::size_t second = path.find('/', first + 1);
-  const Directory* inner =
-      second == std::string::npos ? nullptr : find_directory(path.substr(0, second));
-  return inner != nullptr ? inner : find_directory(path.substr(0, first));
+  for (std::size_t end = path.rfind('/'); end != std::string::npos && end > 0;
+       end = path.rfind('/', end - 1))
+    if (const Directory* found = find_directory(path.substr(0, end))) return found;
+  return nullptr;
 }
 
 bool allowed(const Directory& from, const Directory& to) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "model/transformer/cpu/attention.h"
+#include "model/transformer/cpu/features.h"
 #include "model/transformer/dropout.h"
 
 namespace mocaplm {
@@ -91,6 +93,91 @@ TEST(CausalAttention, IsExactInDoublePrecision) {
 TEST(CausalAttention, IsCloseInBf16) {
   compare(200, 0, at::kBFloat16, 0.1);
   compare(200, 2, at::kBFloat16, 0.1);
+}
+
+// qkv (B, T, 3, H, D) in bf16 through the packed function, the same values in double through the
+// plain one. `kept` (B, H, T, T) are factors of dropout.
+void compare_packed(std::int64_t length, std::int64_t width, std::int64_t free, double dropout = 0,
+                    const at::Tensor& kept = {}) {
+  SCOPED_TRACE("length " + std::to_string(length) + ", width " + std::to_string(width) + ", free " +
+               std::to_string(free));
+  at::manual_seed(static_cast<std::uint64_t>(100 * length + width));
+  const at::Tensor qkv = at::randn({2, length, 3, 3, width}).to(at::kBFloat16);
+  const at::Tensor upstream = at::randn({2, length, 3, width}).to(at::kBFloat16);
+  const at::Tensor ours = qkv.clone().set_requires_grad(true);
+  const at::Tensor exact = qkv.to(at::kDouble).set_requires_grad(true);
+  at::manual_seed(9);
+  const at::Tensor out = packed_causal_attention(ours, free, dropout);
+  const at::Tensor turned = exact.permute({2, 0, 3, 1, 4});
+  const at::Tensor expected =
+      plain_attention(turned[0], turned[1], turned[2], free, kept).transpose(1, 2);
+  out.backward(upstream);
+  expected.backward(upstream.to(at::kDouble));
+  // bf16 has 8 bits: each of its roundings is at most 0.4 % of the value.
+  const auto close = [](const at::Tensor& a, const at::Tensor& b, const char* what) {
+    const at::Tensor difference = (a.detach().to(at::kDouble) - b.detach()).abs();
+    EXPECT_LT(difference.max().item<double>(), 0.02 * b.abs().max().item<double>() + 1e-5) << what;
+    EXPECT_LT(difference.square().mean().sqrt().item<double>(),
+              0.006 * b.detach().square().mean().sqrt().item<double>() + 1e-4)
+        << what;
+  };
+  EXPECT_EQ(out.scalar_type(), at::kBFloat16);
+  close(out, expected, "forward");
+  for (std::int64_t i = 0; i < 3; ++i)
+    close(ours.grad().select(2, i), exact.grad().select(2, i),
+          i == 0   ? "gradient of the queries"
+          : i == 1 ? "of the keys"
+                   : "of the values");
+}
+
+TEST(PackedAttention, IsTheMaskedSoftmaxAtEveryLengthAndWidth) {
+  for (const std::int64_t length : {1, 2, 31, 48, 63, 64, 65, 128, 130, 257})
+    for (const std::int64_t width : {2, 16, 24, 32, 48, 64, 80}) compare_packed(length, width, 0);
+}
+
+TEST(PackedAttention, FreeQueriesSeeEverything) {
+  for (const std::int64_t length : {3, 31, 64, 65, 66, 129, 130, 131, 200})
+    for (const std::int64_t free : {1, 2, 3}) compare_packed(length, 32, free);
+  compare_packed(200, 48, 100);
+  compare_packed(20, 48, 20);
+}
+
+TEST(PackedAttention, OtherProcessorsGetTheSame) {
+  cpu::allow_avx512(false);
+  compare_packed(130, 24, 0);
+  compare_packed(130, 24, 2);
+  cpu::allow_avx512(true);
+  compare_packed(130, 7, 0);  // an odd width is left to LibTorch
+}
+
+TEST(PackedAttention, DropoutIsTheSameForwardAndBackward) {
+  if (!cpu::attention_available(32)) GTEST_SKIP() << "this processor has no AVX512_BF16";
+  const std::int64_t length = 140;
+  at::manual_seed(9);
+  const cpu::AttentionShape shape{2, length, 3, 32, 1, 0.3, random_seed()};
+  at::Tensor kept = at::empty({2, 3, length, length}, at::kDouble);
+  for (std::int64_t i = 0; i < kept.numel(); ++i)
+    kept.data_ptr<double>()[i] =
+        cpu::dropout_factor(shape, i / (length * length), i / length % length, i % length);
+  EXPECT_NEAR((kept == 0).to(at::kDouble).mean().item<double>(), 0.3, 0.01);
+  EXPECT_NEAR(kept.mean().item<double>(), 1, 0.01);
+  compare_packed(length, 32, 1, 0.3, kept);
+}
+
+TEST(PackedAttention, DoesNotDependOnTheThreads) {
+  at::manual_seed(1);
+  const at::Tensor qkv = at::randn({3, 150, 3, 2, 32}).to(at::kBFloat16);
+  const auto results = [&](int threads) {
+    at::set_num_threads(threads);
+    const at::Tensor x = qkv.clone().set_requires_grad(true);
+    const at::Tensor out = packed_causal_attention(x, 0, 0);
+    out.backward(at::ones_like(out));
+    return std::make_pair(out.detach(), x.grad());
+  };
+  const auto one = results(1), three = results(3);
+  at::set_num_threads(1);
+  EXPECT_TRUE(at::equal(one.first, three.first));
+  EXPECT_TRUE(at::equal(one.second, three.second));
 }
 
 TEST(CausalAttention, LargeScoresDoNotOverflow) {
