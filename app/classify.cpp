@@ -1,32 +1,64 @@
-// mocaplm classify: a classifier beside LDA and the majority class.
+// mocaplm classify: a classifier beside LDA and the majority class, or what a kept one says of
+// clips.
 #include <memory>
 
 #include "app/commands.h"
 #include "app/options.h"
+#include "classify/predict.h"
 #include "classify/train.h"
+#include "common/error.h"
+#include "common/files.h"
 
 namespace mocaplm {
 
+namespace {
+
+struct ClassifyCommand {
+  ClassifyOptions train;
+  std::vector<std::string> clips;
+  std::string json;
+};
+
+void run_classify(const ClassifyCommand& command) {
+  const ClassifyOptions& train = command.train;
+  check_writable(command.json);
+  if (!command.clips.empty()) {
+    if (!train.data.empty() || !train.out.empty())
+      throw UsageError("clips are classified by a kept classifier: --data and --out train one");
+    print_table(predict_table({train.model, command.clips, train.config.precision, train.device,
+                               train.threads}),
+                command.json);
+    return;
+  }
+  if (train.data.empty())
+    throw UsageError("give --data DATASET to train a classifier, or clips to classify with one");
+  std::printf("%s\n", settings_json(train.config).dump().c_str());
+  std::fflush(stdout);
+  print_tables(classify_tables(classify(train)), command.json);
+}
+
+}  // namespace
+
 void add_classify(CLI::App& app) {
   CLI::App* classify = app.add_subcommand(
-      "classify", "train and test a classifier beside LDA and the majority class");
-  auto options = std::make_shared<ClassifyOptions>();
-  auto json = std::make_shared<std::string>();
-  classify->add_option("--model", options->model, "pre-trained model or training run folder")
+      "classify", "train and test a classifier beside LDA and the majority class, or use one");
+  auto command = std::make_shared<ClassifyCommand>();
+  ClassifyOptions& train = command->train;
+  classify
+      ->add_option("--model", train.model,
+                   "pre-trained model or training run folder; for clips a kept classifier")
       ->required();
-  classify->add_option("--data", options->data, "labelled dataset folder")->required();
-  classify->add_option("--out", options->out, "keep the classifier and its tables in this folder");
-  classify->add_option("--split", options->split, "clips to test on")
+  classify->add_option("clips", command->clips,
+                       "clips (.npz, .pkl, .bvh) that a kept classifier tells the labels of");
+  classify->add_option("--data", train.data, "labelled dataset folder to train and test on");
+  classify->add_option("--out", train.out, "keep the classifier and its tables in this folder");
+  classify->add_option("--split", train.split, "clips to test on")
       ->check(CLI::IsMember({"validation", "test"}))
       ->capture_default_str();
-  classify->add_option("--json", *json, "also write the tables as JSON");
-  add_machine_options(*classify, options->device, options->threads);
-  bind_options(*classify->add_option_group("classifier"), options->config);
-  classify->callback([options, json] {
-    std::printf("%s\n", settings_json(options->config).dump().c_str());
-    std::fflush(stdout);
-    print_tables(classify_tables(mocaplm::classify(*options)), *json);
-  });
+  classify->add_option("--json", command->json, "also write the tables as JSON");
+  add_machine_options(*classify, train.device, train.threads);
+  bind_options(*classify->add_option_group("classifier"), train.config);
+  classify->callback([command] { run_classify(*command); });
 }
 
 }  // namespace mocaplm

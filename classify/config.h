@@ -11,13 +11,15 @@ namespace mocaplm {
 
 struct ClassifyConfig {
   std::vector<std::string> labels;
-  std::int64_t steps = 500;
+  std::int64_t steps = 1000;
   std::int64_t batch_size = 16;
   double learning_rate = 0;
   double dropout = 0;
   double language_loss = 1;
+  double short_windows = 0.7;
+  std::int64_t short_frames = 0;
   bool mirror = false;
-  std::int64_t validate_every = 50;
+  std::int64_t validate_every = 100;
   double max_minutes = 0;
   double shrinkage = 0.1;
   std::int64_t seed = 1;
@@ -30,11 +32,15 @@ struct ClassifyConfig {
     v.integer("steps", steps, 1, 10000000, "optimiser steps");
     v.integer("batch_size", batch_size, 1, 4096, "windows per step");
     v.number("learning_rate", learning_rate, 0, 1,
-             "peak learning rate; 0 for a third of the rate the model was pre-trained with, 2e-5 "
-             "at least");
+             "peak learning rate; 0 for the rate the model was pre-trained with, 2e-5 at least");
     v.number("dropout", dropout, 0, 0.9, "dropout while fine-tuning");
     v.number("language_loss", language_loss, 0, 100,
              "weight of the language-model loss trained jointly");
+    v.number("short_windows", short_windows, 0, 1,
+             "share of the training, its beginning, on windows of a few frames: several times as "
+             "many steps in the same time");
+    v.integer("short_frames", short_frames, 0, 100000,
+              "frames of those windows; 0 for a fifth of a whole window");
     v.boolean("mirror", mirror,
               "also train on mirrored clips; left and right change places in their labels");
     v.integer("validate_every", validate_every, 1, 10000000,

@@ -1,10 +1,12 @@
 #include "classify/train.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "classify/baselines.h"
 #include "classify/classifier.h"
+#include "classify/predict.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/progress.h"
@@ -59,60 +61,6 @@ Setup set_up(const ClassifyOptions& options) {
   return s;
 }
 
-Window class_window(const Setup& s, const LabelledSplit& split, const WindowPlace& place) {
-  const auto per_frame = static_cast<std::size_t>(s.tokenizer.tokens_per_frame());
-  const std::vector<std::int32_t>& ids = split.clips[place.clip].ids;
-  const std::size_t first = place.first_frame * per_frame, count = s.window_frames * per_frame;
-  Window window;
-  window.input = window_input(s.stored.description, {Tokenizer::kStart}, ids, first, count);
-  window.target.assign(ids.begin() + static_cast<std::ptrdiff_t>(first),
-                       ids.begin() + static_cast<std::ptrdiff_t>(first + count));
-  window.target.push_back(-1);
-  return window;
-}
-
-Batch class_batch(const Setup& s, const LabelledSplit& split,
-                  const std::vector<WindowPlace>& places, const at::Device& device) {
-  std::vector<ModelInput> inputs;
-  std::vector<std::vector<std::int32_t>> targets;
-  for (const WindowPlace& place : places) {
-    Window window = class_window(s, split, place);
-    inputs.push_back(std::move(window.input));
-    targets.push_back(std::move(window.target));
-  }
-  return stack(inputs, targets).to(device);
-}
-
-// Log-probabilities (windows, classes) of every task.
-std::vector<Eigen::MatrixXd> predict(Classifier& classifier, const Setup& s,
-                                     const LabelledSplit& split,
-                                     const std::vector<WindowPlace>& windows,
-                                     const at::Device& device) {
-  const at::NoGradGuard no_grad;
-  classifier.eval();
-  std::vector<Eigen::MatrixXd> scores;
-  for (const Task& task : s.tasks)
-    scores.emplace_back(static_cast<Eigen::Index>(windows.size()),
-                        static_cast<Eigen::Index>(task.values.size()));
-  constexpr std::size_t kAtOnce = 16;
-  for (std::size_t i = 0; i < windows.size(); i += kAtOnce) {
-    const std::size_t end = std::min(i + kAtOnce, windows.size());
-    const std::vector<WindowPlace> some(windows.begin() + static_cast<std::ptrdiff_t>(i),
-                                        windows.begin() + static_cast<std::ptrdiff_t>(end));
-    const Classifier::Output out = classifier.forward(class_batch(s, split, some, device));
-    for (std::size_t k = 0; k < s.tasks.size(); ++k) {
-      const at::Tensor logs =
-          at::log_softmax(out.logits[k], -1).to(at::kCPU, at::kDouble).contiguous();
-      for (std::size_t w = i; w < end; ++w)
-        for (Eigen::Index c = 0; c < scores[k].cols(); ++c)
-          scores[k](static_cast<Eigen::Index>(w), c) =
-              logs.data_ptr<double>()[(w - i) * static_cast<std::size_t>(scores[k].cols()) +
-                                      static_cast<std::size_t>(c)];
-    }
-  }
-  return scores;
-}
-
 class Training {
  public:
   Training(Setup& setup, const ClassifyOptions& options)
@@ -137,7 +85,7 @@ class Training {
     Progress bar("classify", static_cast<std::size_t>(config_.steps), "steps", 30);
     const auto start = Clock::now();
     TensorMap best;
-    double best_accuracy = -1;
+    double best_accuracy = -1, looking = 0;
     char note[160] = "";
     for (std::int64_t step = 0; step < config_.steps; ++step) {
       double progress = static_cast<double>(step) / static_cast<double>(config_.steps);
@@ -145,8 +93,12 @@ class Training {
         progress = std::max(progress, minutes_since(start) / config_.max_minutes);
       const auto [language, classes] = one_step(step, progress);
       const bool last = step + 1 == config_.steps || progress >= 1;
-      if ((step + 1) % config_.validate_every == 0 || last) {
+      // A run by the clock spends at most a tenth of it on looking.
+      const bool affordable = config_.max_minutes <= 0 || looking < 0.1 * minutes_since(start);
+      if (((step + 1) % config_.validate_every == 0 && affordable) || last) {
+        const auto looked = Clock::now();
         const double accuracy = validation_accuracy();
+        looking += minutes_since(looked);
         if (accuracy > best_accuracy) {
           best_accuracy = accuracy;
           best = export_weights(*classifier_);
@@ -156,7 +108,7 @@ class Training {
                       classes, 100 * accuracy);
         bar.print("step " + std::to_string(step + 1) + ": " + note);
       }
-      bar.update(static_cast<std::size_t>(step + 1), note);
+      bar.update(static_cast<std::size_t>(step + 1), note, config_.max_minutes > 0 ? progress : -1);
       if (last) break;
     }
     bar.finish(note);
@@ -173,14 +125,23 @@ class Training {
     const double rate = training.is_object() && training.contains(at) && training[at].is_number()
                             ? training[at].get<double>()
                             : 0;
-    return std::max(rate / 3, 2e-5);
+    return std::max(rate, 2e-5);
+  }
+
+  std::size_t short_frames() const {
+    const std::size_t wanted = config_.short_frames > 0
+                                   ? static_cast<std::size_t>(config_.short_frames)
+                                   : s_.window_frames / 5;
+    return std::clamp<std::size_t>(wanted, 1, s_.window_frames);
   }
 
   std::pair<double, double> one_step(std::int64_t step, double progress) {
     at::manual_seed(
         stable_hash("classify " + std::to_string(step), static_cast<std::uint64_t>(config_.seed)));
-    const std::vector<WindowPlace> places = draw();
-    const Batch batch = class_batch(s_, s_.train, places, device_);
+    const std::size_t frames = progress < config_.short_windows ? short_frames() : s_.window_frames;
+    const std::vector<WindowPlace> places = draw(frames);
+    const Batch batch =
+        class_batch(s_.stored.description, s_.train.clips, places, frames).to(device_);
     classifier_->train();
     optimizer_->zero_grad();
     const Classifier::Output out = classifier_->forward(batch);
@@ -201,12 +162,12 @@ class Training {
   }
 
   // A clip is as likely as it is long, its window starts anywhere.
-  std::vector<WindowPlace> draw() {
+  std::vector<WindowPlace> draw(std::size_t frames) {
     std::vector<WindowPlace> places;
     const auto per_frame = static_cast<std::size_t>(s_.tokenizer.tokens_per_frame());
     for (std::int64_t i = 0; i < config_.batch_size; ++i) {
       const std::size_t clip = s_.train.windows[random_.below(s_.train.windows.size())].clip;
-      const std::size_t starts = s_.train.clips[clip].ids.size() / per_frame - s_.window_frames + 1;
+      const std::size_t starts = s_.train.clips[clip].ids.size() / per_frame - frames + 1;
       places.push_back({clip, random_.below(starts)});
     }
     return places;
@@ -232,7 +193,7 @@ class Training {
     for (std::size_t i = 0; i < wanted; ++i)
       some.windows.push_back(s_.validation.windows[i * all / wanted]);
     const std::vector<Eigen::MatrixXd> scores =
-        predict(*classifier_, s_, some, some.windows, device_);
+        class_scores(*classifier_, some, s_.window_frames, device_);
     double sum = 0;
     for (std::size_t k = 0; k < s_.tasks.size(); ++k)
       sum += score_task(some, k, scores[k]).window_accuracy;
@@ -305,7 +266,7 @@ ClassifyResult classify(const ClassifyOptions& options) {
   Training training(s, options);
   Classifier& classifier = training.run();
   const std::vector<Eigen::MatrixXd> scores =
-      predict(classifier, s, s.test, s.test.windows, training.device());
+      class_scores(classifier, s.test, s.window_frames, training.device());
   MethodScores own{"Transformer", {}};
   for (std::size_t k = 0; k < s.tasks.size(); ++k)
     own.tasks.push_back(score_task(s.test, k, scores[k]));

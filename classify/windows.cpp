@@ -10,8 +10,6 @@
 
 namespace mocaplm {
 
-namespace {
-
 LabelledClip label_clip(const Clip& clip, const Tokenizer& tokenizer,
                         const std::vector<Task>& tasks, std::size_t window_frames) {
   const auto per_frame = static_cast<std::size_t>(tokenizer.tokens_per_frame());
@@ -31,15 +29,13 @@ LabelledClip label_clip(const Clip& clip, const Tokenizer& tokenizer,
   return out;
 }
 
-}  // namespace
-
 std::vector<Task> make_tasks(const Dataset& dataset, const std::vector<std::string>& labels) {
   std::vector<Task> tasks;
   const std::vector<std::string> there = dataset.label_names();
   for (const std::string& label : labels)
     if (std::find(there.begin(), there.end(), label) == there.end())
-      throw UsageError("no clip has the label \"" + label + "\"" + did_you_mean(label, there) +
-                       " Labels: " + join(there, ", "));
+      throw UsageError("no clip has the label \"" + label + "\"" +
+                       known_names(label, there, "Labels"));
   for (const std::string& label : labels.empty() ? there : labels) {
     std::set<std::string> values;
     for (const DatasetEntry& entry : dataset.split("train"))
@@ -57,6 +53,15 @@ std::vector<Task> make_tasks(const Dataset& dataset, const std::vector<std::stri
   return tasks;
 }
 
+void add_windows(LabelledSplit& split, std::size_t clip, const Tokenizer& tokenizer,
+                 std::size_t window_frames) {
+  const auto per_frame = static_cast<std::size_t>(tokenizer.tokens_per_frame());
+  const std::size_t last = split.clips[clip].ids.size() / per_frame - window_frames;
+  for (std::size_t first = 0; first < last; first += std::max<std::size_t>(window_frames / 2, 1))
+    split.windows.push_back({clip, first});
+  split.windows.push_back({clip, last});
+}
+
 LabelledSplit label_split(const Dataset& dataset, const std::string& split,
                           const Tokenizer& tokenizer, const std::vector<Task>& tasks,
                           std::size_t window_frames, bool mirror_too, int threads) {
@@ -71,13 +76,7 @@ LabelledSplit label_split(const Dataset& dataset, const std::string& split,
     if (mirror_too)
       out.clips[entries.size() + i] = label_clip(mirror(clip), tokenizer, tasks, window_frames);
   });
-  const auto per_frame = static_cast<std::size_t>(tokenizer.tokens_per_frame());
-  for (std::size_t c = 0; c < out.clips.size(); ++c) {
-    const std::size_t last = out.clips[c].ids.size() / per_frame - window_frames;
-    for (std::size_t first = 0; first < last; first += std::max<std::size_t>(window_frames / 2, 1))
-      out.windows.push_back({c, first});
-    out.windows.push_back({c, last});
-  }
+  for (std::size_t c = 0; c < out.clips.size(); ++c) add_windows(out, c, tokenizer, window_frames);
   return out;
 }
 

@@ -37,6 +37,13 @@ struct LabelledSplit {
 // are). Throws UsageError with the nearest label for unknown ones.
 std::vector<Task> make_tasks(const Dataset& dataset, const std::vector<std::string>& labels);
 
+// One clip as it is classified.
+LabelledClip label_clip(const Clip& clip, const Tokenizer& tokenizer,
+                        const std::vector<Task>& tasks, std::size_t window_frames);
+// Appends the windows of one clip of the split.
+void add_windows(LabelledSplit& split, std::size_t clip, const Tokenizer& tokenizer,
+                 std::size_t window_frames);
+
 LabelledSplit label_split(const Dataset& dataset, const std::string& split,
                           const Tokenizer& tokenizer, const std::vector<Task>& tasks,
                           std::size_t window_frames, bool mirror, int threads);

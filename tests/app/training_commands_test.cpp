@@ -76,6 +76,11 @@ TEST_F(TrainingCommands, ClassifyPrintsTheThreeMethodsAndKeepsAClassifier) {
   EXPECT_EQ(load_json(path("classifier/config.json"))["classes"].size(), 1u);
   EXPECT_NE(must("info " + at("classifier")).find("classifies genre"), std::string::npos);
   must(classify + " --out " + at("classifier"));  // an earlier classifier may be replaced
+  must("classify --threads 1 --model " + at("classifier") + " --json " + at("said.json") + " " +
+       at("data/clips/" + prompt() + ".npz"));
+  EXPECT_EQ(load_json(path("said.json")).at("rows").size(), 1u);
+  refused("classify --model " + at("run") + " " + at("data/clips/" + prompt() + ".npz"), 2,
+          "no classifier");
   refused(classify + " --out " + at("tuned"), 2, "tuned");
   refused(classify + " --out " + at("run/best"), 2, "no classifier");
   refused(classify + " --out " + at("data"), 2, "data");

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "classify/predict.h"
 #include "classify/train.h"
 #include "motion/formats/npz.h"
+#include "support/refusal.h"
 #include "support/small_dataset.h"
 #include "support/small_models.h"
 #include "temporary_folder.h"
@@ -75,8 +77,9 @@ TEST_F(ClassTokens, TheLanguageLossAndEveryTaskReachTheTransformer) {
     classifier_.zero_grad();
     classifier_.forward(batch(stream(2))).logits[k].square().sum().backward();
     for (const auto& item : transformer_->named_parameters())
-      if (item.key() == "token_embedding")
+      if (item.key() == "token_embedding") {
         EXPECT_GT(item.value().grad().abs().max().item<float>(), 0) << k;
+      }
   }
 }
 
@@ -136,6 +139,27 @@ TEST(Classify, TellsClearlyDifferentClassesApart) {
   EXPECT_EQ(result.methods[2].tasks[0].clips, 4);
   EXPECT_EQ(load_description(folder / "classifier").classes[0].first, "style");
   EXPECT_TRUE(fs::exists(folder / "classifier" / "classification.json"));
+
+  // The kept classifier says the same of the test clips' files.
+  PredictOptions predict;
+  predict.model = folder / "classifier";
+  predict.precision = "f32";
+  predict.threads = 1;
+  const Dataset dataset = load_dataset(folder / "data");
+  std::vector<std::string> styles;
+  for (const DatasetEntry& entry : dataset.split("test")) {
+    predict.clips.push_back((folder / "data" / entry.file).string());
+    styles.push_back(entry.labels.at("style"));
+  }
+  const Json rows = predict_table(predict).json().at("rows");
+  ASSERT_EQ(rows.size(), styles.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i].at("value"), styles[i]);
+    EXPECT_NEAR(rows[i].at("%").get<double>() + rows[i].at("% of next").get<double>(), 100, 1e-4);
+  }
+  predict.model = folder / "run";
+  EXPECT_NE(refusal<UsageError>([&] { predict_table(predict); }).find("no classifier"),
+            std::string::npos);
 }
 
 }  // namespace
