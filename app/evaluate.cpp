@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/options.h"
+#include "common/files.h"
 
 namespace mocaplm {
 
@@ -31,7 +32,10 @@ void add_evaluate(CLI::App& app) {
       ->capture_default_str();
   evaluate->add_option("--json", *json, "also write the tables as JSON");
   add_machine_options(*evaluate, options->device, options->threads);
-  evaluate->callback([options, json] { print_tables(evaluate_tables(*options), *json); });
+  evaluate->callback([options, json] {
+    check_writable(*json);
+    print_tables(evaluate_tables(*options), *json);
+  });
 }
 
 }  // namespace mocaplm

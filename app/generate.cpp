@@ -7,6 +7,7 @@
 #include "app/generated.h"
 #include "app/options.h"
 #include "common/error.h"
+#include "common/files.h"
 #include "common/progress.h"
 #include "motion/formats/formats.h"
 #include "motion/skeleton.h"
@@ -28,15 +29,17 @@ std::string numbered(const GenerateCommand& command, std::int64_t i) {
   return command.count == 1 ? command.out : command.out + "-" + std::to_string(i + 1);
 }
 
-// What is read must not be written over.
+// What is read must not be written over, and what cannot be written is said before the work.
 void check_out(const GenerateCommand& command) {
-  if (command.prompt.empty()) return;
   std::error_code missing;
   for (std::int64_t i = 0; i < command.count; ++i)
-    for (const std::string& file : generated_files(numbered(command, i)))
-      if (std::filesystem::equivalent(file, command.prompt, missing))
+    for (const std::string& file : generated_files(numbered(command, i))) {
+      if (!command.prompt.empty() && std::filesystem::equivalent(file, command.prompt, missing))
         throw UsageError("--out would replace the prompt " + command.prompt +
                          ": give another --out");
+      check_writable(file);
+    }
+  check_writable(command.json);
 }
 
 void run_generate(GenerateCommand& command) {

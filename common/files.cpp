@@ -122,6 +122,18 @@ void write_file_with(const fs::path& path, const std::function<void(const fs::pa
   }
 }
 
+void check_writable(const fs::path& path) {
+  if (path.empty()) return;
+  make_parent(path);
+  if (fs::is_directory(path))
+    throw DataError(in_file(path.string()), "is a folder, cannot write a file there");
+  const fs::path probe = beside(path, "probe");
+  const int descriptor = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (descriptor < 0) throw DataError(in_file(path.string()), "cannot be written: " + reason());
+  ::close(descriptor);
+  ::unlink(probe.c_str());
+}
+
 void write_directory_with(const fs::path& path,
                           const std::function<bool(const fs::path&)>& may_replace,
                           const std::function<void(const fs::path&)>& fill) {

@@ -27,6 +27,10 @@ void write_file(const std::filesystem::path& path, std::string_view bytes);
 void write_file_with(const std::filesystem::path& path,
                      const std::function<void(const std::filesystem::path&)>& fill);
 
+// Throws DataError when write_file would fail now, so that a command can say so before hours of
+// work. Creates the parent directory; an empty path means no file and passes.
+void check_writable(const std::filesystem::path& path);
+
 // Fills `temporary` (a fresh directory beside `path`), then swaps it in for `path`. An old
 // directory is replaced only when `may_replace(path)` is true or it is empty; otherwise DataError,
 // nothing touched.

@@ -44,6 +44,17 @@ TEST_F(TrainingFailures, OutThatHoldsSomething) {
   refused("train --resume --out " + at("data"), 2, "data");
 }
 
+TEST_F(TrainingFailures, WhatCannotBeWrittenIsSaidFirst) {
+  const std::string both = " --threads 1 --model " + at("run") + " --data " + at("data");
+  for (const std::string command : {"classify", "evaluate"}) {
+    refused(command + both + " --json " + at("data"), 3, "is a folder");
+    refused(command + both + " --json " + at("config.json/x.json"), 3, "config.json");
+  }
+  refused("generate --model " + at("run") + " --seconds 1 --json " + at("data"), 3, "is a folder");
+  refused("generate --model " + at("run") + " --seconds 1 --out " + at("config.json/dance"), 3,
+          "config.json");
+}
+
 TEST_F(TrainingFailures, MoreThanTheMemoryHolds) {
   refused("train --threads 1 --config " + at("config.json") + " --data " + at("data") + " --out " +
               at("new") + " --n-embd 8192 --n-layer 96 --n-head 128",
