@@ -26,24 +26,34 @@ double Progress::elapsed() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
+// Negative where it cannot be told.
+double Progress::seconds_left(double rate) const {
+  if (share_ >= 0)
+    return share_ > first_share_ && share_ < 1
+               ? (elapsed() - first_share_at_) * (1 - share_) / (share_ - first_share_)
+               : -1;
+  return total_ > done_ && done_ > 0 ? static_cast<double>(total_ - done_) / rate : -1;
+}
+
 std::string Progress::line(const std::string& note) const {
   const double seconds = std::max(elapsed(), 1e-9);
   const double rate = static_cast<double>(done_) / seconds;
   std::string text = what_ + " ";
-  if (total_ > 0 && terminal_) {
+  const bool counted = total_ > 0 && share_ < 0;
+  if (terminal_ && (counted || share_ >= 0)) {
     const int width = 24;
-    const int full = static_cast<int>(width * done_ / total_);
+    const double share =
+        counted ? static_cast<double>(done_) / static_cast<double>(total_) : std::min(share_, 1.0);
+    const int full = static_cast<int>(width * share);
     text += "[" + std::string(full, '#') + std::string(width - full, '.') + "] ";
   }
-  text += std::to_string(done_) + (total_ > 0 ? "/" + std::to_string(total_) : "") + " " + unit_;
+  text += std::to_string(done_) + (counted ? "/" + std::to_string(total_) : "") + " " + unit_;
   text += ", " +
           format_number(rate < 100 ? static_cast<double>(static_cast<long>(rate * 100)) / 100
                                    : static_cast<double>(static_cast<long>(rate))) +
           "/s";
-  if (total_ > done_ && done_ > 0)
-    text += ", " + format_duration(static_cast<double>(total_ - done_) / rate) + " left";
-  else
-    text += ", " + format_duration(seconds);
+  const double left = seconds_left(rate);
+  text += ", " + (left >= 0 ? format_duration(left) + " left" : format_duration(seconds));
   if (!note.empty()) text += " | " + note;
   return text;
 }
@@ -57,9 +67,14 @@ void Progress::show(const std::string& text, bool final) {
   std::fflush(stderr);
 }
 
-void Progress::update(std::size_t done, const std::string& note) {
+void Progress::update(std::size_t done, const std::string& note, double share) {
   done_ = total_ > 0 ? std::min(done, total_) : done;
+  share_ = share;
   const double now = elapsed();
+  if (share_ >= 0 && first_share_ < 0) {
+    first_share_ = share_;
+    first_share_at_ = now;
+  }
   if (now - last_ < (terminal_ ? 0.1 : plain_seconds_)) return;
   // A plain log starts with a first report after its interval, not with an empty one.
   if (!terminal_ && last_ < 0 && now < plain_seconds_) return;

@@ -14,7 +14,9 @@ class Progress {
   Progress(std::string what, std::size_t total, std::string unit, double plain_seconds = 10);
   ~Progress();
 
-  void update(std::size_t done, const std::string& note = "");
+  // `share`, in [0, 1], tells how far the work is where the units do not (a run that ends by the
+  // clock): bar and time left then follow it, and the total is not shown.
+  void update(std::size_t done, const std::string& note = "", double share = -1);
   void add(const std::string& note = "") { update(done_ + 1, note); }
   // Prints a line of its own above the bar.
   void print(const std::string& line);
@@ -23,11 +25,13 @@ class Progress {
  private:
   std::string line(const std::string& note) const;
   double elapsed() const;
+  double seconds_left(double rate) const;
   void show(const std::string& text, bool final);
 
   std::string what_, unit_;
   std::size_t total_, done_ = 0;
   double plain_seconds_, last_ = -1e9;
+  double share_ = -1, first_share_ = -1, first_share_at_ = 0;
   bool terminal_, finished_ = false, shown_ = false;
   std::chrono::steady_clock::time_point start_;
 };

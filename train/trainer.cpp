@@ -9,6 +9,7 @@
 #include "common/error.h"
 #include "common/files.h"
 #include "common/progress.h"
+#include "common/text.h"
 #include "model/transformer/setup.h"
 #include "train/setup.h"
 
@@ -93,7 +94,8 @@ class Run {
       stopped = done_.step == options_.stop_after_step;
       if (done_.step % config_.save_every == 0 || last || stopped)
         save(options_.out / "last", true);
-      bar.update(static_cast<std::size_t>(done_.step), note());
+      bar.update(static_cast<std::size_t>(done_.step), note(),
+                 config_.max_minutes > 0 ? progress() : -1);
     }
     next.wait();
     bar.finish(note());
@@ -121,10 +123,11 @@ class Run {
 
   std::string note() const {
     char text[200];
-    std::snprintf(text, sizeof text,
-                  "loss %.4f, %.1f bits/frame, validation best %.1f, %.0f tokens/s", smooth_,
-                  bits(smooth_), bits(done_.best_nats), rate_);
-    return text;
+    std::snprintf(text, sizeof text, "loss %.4f, %.1f bits/frame, %.0f tokens/s", smooth_,
+                  bits(smooth_), rate_);
+    return std::isfinite(done_.best_nats)
+               ? std::string(text) + ", validation best " + format_fixed(bits(done_.best_nats), 1)
+               : text;
   }
 
   std::future<MicroBatches> ahead(std::int64_t step) {
