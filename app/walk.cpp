@@ -64,8 +64,7 @@ void check_value(const std::set<std::string>& values, const std::string& label,
                  const std::string& value) {
   const std::vector<std::string> known(values.begin(), values.end());
   if (std::find(known.begin(), known.end(), value) == known.end())
-    throw UsageError("--" + label + " " + value + ": no such " + label +
-                     did_you_mean(value, known) + " Known: " + join(known, ", "));
+    throw UsageError("--" + label + " " + value + ": no such " + label + known_names(value, known));
 }
 
 // Before any work: the dances' names tell their labels.

@@ -90,4 +90,10 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return best.empty() ? "" : ", did you mean \"" + best + "\"?";
 }
 
+std::string known_names(const std::string& word, const std::vector<std::string>& candidates,
+                        const std::string& intro) {
+  const std::string near = did_you_mean(word, candidates);
+  return (near.empty() ? "." : near) + " " + intro + ": " + join(candidates, ", ");
+}
+
 }  // namespace mocaplm

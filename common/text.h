@@ -19,5 +19,8 @@ std::string format_duration(double seconds);
 
 // ", did you mean \"waack\"?" for the nearest candidate in edit distance, or "" when none is near.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
+// The end of a message about an unknown name: the nearest one if any, then `intro` and all of them.
+std::string known_names(const std::string& word, const std::vector<std::string>& candidates,
+                        const std::string& intro = "Known");
 
 }  // namespace mocaplm

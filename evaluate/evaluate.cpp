@@ -99,6 +99,33 @@ Table make_table(const std::string& title, const Columns& columns, const Tokeniz
   return table;
 }
 
+using Fitted = std::map<std::string, Baselines>;
+
+// Baselines of each value of `by` in the training split. Every value of `test` must be among them:
+// said before the long work of scoring.
+Fitted fit_baselines(const EvaluateOptions& options, const EncodedSplit& train,
+                     const EncodedSplit& test, const Tokenizer& tokenizer) {
+  Fitted fitted;
+  for (std::size_t i = 0; i < train.clips.size(); ++i)
+    fitted
+        .try_emplace(value_of(train.entries[i], options.by), tokenizer.channels(), tokenizer.bins())
+        .first->second.add(stream_bins(tokenizer, train.clips[i].ids));
+  for (const DatasetEntry& entry : test.entries)
+    if (const std::string value = value_of(entry, options.by); fitted.count(value) == 0)
+      throw DataError(in_file(options.data.string()),
+                      "no training clip has " + options.by + " " + value + ", which " + entry.name +
+                          " has: the baselines cannot be fitted for it");
+  return fitted;
+}
+
+void check_by(const EvaluateOptions& options, const Dataset& dataset) {
+  if (options.by.empty()) return;
+  const auto names = dataset.label_names();
+  if (std::find(names.begin(), names.end(), options.by) == names.end())
+    throw UsageError("--by: no clip has the label \"" + options.by + "\"" +
+                     known_names(options.by, names, "Labels"));
+}
+
 }  // namespace
 
 std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
@@ -115,39 +142,25 @@ std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
   model->set_precision(choose_precision(options.precision, device));
 
   const Dataset dataset = load_dataset(options.data);
-  if (!options.by.empty()) {
-    const auto names = dataset.label_names();
-    if (std::find(names.begin(), names.end(), options.by) == names.end())
-      throw UsageError("--by: no clip has the label \"" + options.by + "\"" +
-                       did_you_mean(options.by, names));
-  }
+  check_by(options, dataset);
   const EncodedSplit train = encode(dataset, options, "train", tokenizer, {});
   const EncodedSplit test =
       encode(dataset, options, options.split, tokenizer, stored.description.conditions);
+  const Fitted baselines = fit_baselines(options, train, test, tokenizer);
 
   Progress bar("evaluate", 0, "windows");
   const std::vector<BitCount> scores =
       score_clips(*model, test.clips, 16, [&](std::size_t done, std::size_t) { bar.update(done); });
   bar.finish();
 
-  std::map<std::string, Baselines> baselines;
-  for (std::size_t i = 0; i < train.clips.size(); ++i)
-    baselines
-        .try_emplace(value_of(train.entries[i], options.by), tokenizer.channels(), tokenizer.bins())
-        .first->second.add(stream_bins(tokenizer, train.clips[i].ids));
   std::map<std::string, Columns> groups;
   for (std::size_t i = 0; i < test.clips.size(); ++i) {
     const std::string value = value_of(test.entries[i], options.by);
     Columns& columns = groups[value];
     columns.model.add(scores[i]);
-    const auto fitted = baselines.find(value);
-    if (fitted == baselines.end())
-      throw DataError(in_file(options.data.string()),
-                      "no training clip has " + options.by + " " + value +
-                          ": the baselines cannot be fitted for it");
     for (int order = 0; order < Baselines::kOrders; ++order)
       columns.orders[static_cast<std::size_t>(order)].add(
-          fitted->second.score(order, stream_bins(tokenizer, test.clips[i].ids)));
+          baselines.at(value).score(order, stream_bins(tokenizer, test.clips[i].ids)));
   }
   std::vector<Table> tables;
   for (const auto& [value, columns] : groups)

@@ -64,9 +64,8 @@ std::vector<std::int32_t> Generator::prefix(const Labels& labels) const {
                       "this model was trained without condition tokens; fine-tune it on labelled "
                       "clips (train --from)");
     if (std::find(conditions.begin(), conditions.end(), name) == conditions.end())
-      throw DataError(in_file("--" + name), "the model has no such condition" +
-                                                did_you_mean(name, conditions) +
-                                                " It has: " + join(conditions, ", "));
+      throw DataError(in_file("--" + name),
+                      "the model has no such condition" + known_names(name, conditions, "It has"));
   }
   std::vector<std::int32_t> tokens = {Tokenizer::kStart};
   for (const std::string& name : conditions) {

@@ -84,9 +84,7 @@ std::vector<int> parse_joints(const std::vector<std::string>& names) {
       chosen.insert(joints.begin(), joints.end());
       found = true;
     }
-    if (!found)
-      throw UsageError("unknown joint \"" + name + "\"" + did_you_mean(name, known) +
-                       " Known: " + join(known, ", "));
+    if (!found) throw UsageError("unknown joint \"" + name + "\"" + known_names(name, known));
   }
   return {chosen.begin(), chosen.end()};
 }

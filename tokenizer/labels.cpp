@@ -45,15 +45,14 @@ std::int32_t Tokenizer::label_id(const std::string& label, const std::string& va
   }
   if (known.empty())
     throw DataError(in_file("tokenizer"),
-                    "knows no label \"" + label + "\"" + did_you_mean(label, names) +
-                        (names.empty() ? " It has none." : " Known: " + join(names, ", ")));
+                    "knows no label \"" + label + "\"" +
+                        (names.empty() ? ": it has none" : known_names(label, names)));
   if (known.size() > 30) {
     known.resize(30);
     known.push_back("...");
   }
   throw DataError(in_file("tokenizer"), "label \"" + label + "\" has no value \"" + value + "\"" +
-                                            did_you_mean(value, known) +
-                                            " Known: " + join(known, ", "));
+                                            known_names(value, known));
 }
 
 }  // namespace mocaplm

@@ -45,7 +45,10 @@ Corpus encode_split(const Dataset& dataset, const std::string& split, const Toke
   const auto per_frame = static_cast<std::size_t>(tokenizer.tokens_per_frame());
   for (std::size_t i = 0; i < encoded.size(); ++i) {
     const std::size_t frames = encoded[i].ids.size() / per_frame;
-    if (frames < kFewestFrames) continue;
+    if (frames < kFewestFrames) {
+      if (i < entries.size()) ++corpus.left_out;
+      continue;
+    }
     corpus.frames += static_cast<std::int64_t>(frames);
     corpus.report.values += reports[i].values;
     corpus.report.clamped += reports[i].clamped;

@@ -22,6 +22,7 @@ struct EncodedClip {
 struct Corpus {
   std::vector<EncodedClip> clips;
   std::int64_t frames = 0;
+  std::int64_t left_out = 0;  // clips shorter than 3 frames
   EncodeReport report;
 };
 

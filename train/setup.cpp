@@ -30,7 +30,7 @@ std::vector<std::string> chosen_conditions(const TrainOptions& options, const Da
   for (const std::string& label : chosen)
     if (known.count(label) == 0)
       throw UsageError("no clip of the dataset has the label \"" + label + "\"" +
-                       did_you_mean(label, there) + " Its labels: " + join(there, ", "));
+                       known_names(label, there, "Its labels"));
   return chosen;
 }
 
@@ -110,6 +110,9 @@ TrainSetup set_up_training(const TrainOptions& options) {
                              setup.config.train.mirror, options.threads);
   setup.validation = encode_split(setup.dataset, "validation", setup.tokenizer, conditions, false,
                                   options.threads);
+  if (const auto left_out = setup.train.left_out + setup.validation.left_out; left_out > 0)
+    std::fprintf(stderr, "left out: %lld clips shorter than 3 frames\n",
+                 static_cast<long long>(left_out));
   return setup;
 }
 

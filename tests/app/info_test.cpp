@@ -30,8 +30,9 @@ TEST_F(Info, TellsEverySettingOfAModelAndWhatItKnows) {
     ASSERT_EQ(ran.code, 0) << ran.text;
     const Json settings = settings_json(model.config);
     for (const auto& item : settings.items())
-      if (item.key() != "architecture")  // its value stands in the title
+      if (item.key() != "architecture") {  // its value stands in the title
         EXPECT_NE(ran.text.find(item.key()), std::string::npos) << item.key() << "\n" << ran.text;
+      }
     for (const char* part : {"made up", "genre", "classifies dancer", "d01, d02", "procedural"})
       EXPECT_NE(ran.text.find(part), std::string::npos) << part << "\n" << ran.text;
     EXPECT_EQ(load_json(folder_ / "info.json").size(), 1u);

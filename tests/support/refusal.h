@@ -12,7 +12,7 @@
 namespace mocaplm {
 
 // The message of the error of type `Expected` that `act` throws; fails the test when there is none.
-template <class Expected, class Act>
+template <class Expected = DataError, class Act>
 std::string refusal(const Act& act) {
   try {
     act();

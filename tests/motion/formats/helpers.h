@@ -14,6 +14,7 @@
 #include "common/json.h"
 #include "common/random.h"
 #include "motion/clip.h"
+#include "support/refusal.h"
 
 namespace mocaplm {
 
@@ -76,34 +77,6 @@ inline void expect_clip(const Clip& clip, const Json& expected, const std::strin
   }
   EXPECT_NEAR(clip.poses.sum(), expected.at("poses_sum").get<double>(), 1e-6);
   EXPECT_NEAR(clip.trans.sum(), expected.at("trans_m_sum").get<double>(), 1e-6);
-}
-
-// Calls `read`; it must either succeed or throw DataError whose text holds `file`. Returns success.
-template <class Read>
-bool reads_or_refuses(const Read& read, const std::string& file) {
-  try {
-    read();
-    return true;
-  } catch (const DataError& error) {
-    EXPECT_NE(std::string(error.what()).find(file), std::string::npos) << error.what();
-    return false;
-  }
-}
-
-// The message of the DataError that `read` throws; fails the test when there is none.
-template <class Read>
-std::string refusal(const Read& read) {
-  try {
-    read();
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "expected a DataError";
-  return "";
-}
-
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace mocaplm
