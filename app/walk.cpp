@@ -41,7 +41,7 @@ const std::vector<std::string> kParts = {"dances",
                                          "index.html",
                                          kMarker};
 // Shares of the time for training.
-constexpr double kPretrain = 0.5, kFineTune = 0.15, kClassify = 0.35;
+constexpr double kPretrain = 0.48, kFineTune = 0.14, kClassify = 0.38;
 
 RunConfig demo_config(const WalkOptions& options) {
   RunConfig config =
@@ -92,6 +92,18 @@ DatasetEntry held_out(const Dataset& dataset, const std::string& genre) {
     if (entry.labels.at("genre") != genre && entry.labels.at("situation") == "advanced")
       return entry;
   return test.at(0);
+}
+
+// How this program is called from where the user stands: build/mocaplm.
+std::string program() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  const fs::path here = fs::current_path(error);
+  if (self.empty() || here.empty()) return "mocaplm";
+  const fs::path light = self.parent_path() / "mocaplm";
+  const fs::path near = light.lexically_relative(here);
+  const bool below = !near.empty() && *near.begin() != "..";
+  return (below ? (near.has_parent_path() ? near : "." / near) : light).string();
 }
 
 class Walk {
@@ -224,17 +236,21 @@ class Walk {
     std::printf(
         "  %s/dance.npz, dance.bvh    the generated dance\n  %s/model                   the "
         "fine-tuned model\n"
-        "  %s/classification.txt      all tables\n\nTry next:\n"
-        "  mocaplm generate --model %s/model --genre krump --seconds 20 --out krump\n"
-        "  mocaplm generate --model %s/model --prompt %s/dances/clips/%s.npz --joints "
-        "left_arm,pelvis --genre house --out house\n"
-        "  mocaplm view %s/dances --out dances.html\n"
-        "  mocaplm evaluate --model %s/pretrained --data %s/dances\n",
-        at.c_str(), at.c_str(), at.c_str(), at.c_str(), at.c_str(), at.c_str(),
-        prompt_name_.c_str(), at.c_str(), at.c_str(), at.c_str());
+        "  %s/classification.txt      all tables\n\nTry next:\n",
+        at.c_str(), at.c_str(), at.c_str());
+    const std::string clip = at + "/dances/clips/" + prompt_name_ + ".npz";
+    for (const std::string& command :
+         {"generate --model " + at + "/model --genre krump --seconds 20 --out krump",
+          "generate --model " + at + "/model --prompt " + clip +
+              " --joints left_arm,pelvis --genre house --out house",
+          "classify --model " + at + "/classifier " + clip + " " + at + "/dance.npz",
+          "view " + at + "/dances --out dances.html",
+          "evaluate --model " + at + "/pretrained --data " + at + "/dances"})
+      std::printf("  %s %s\n", program_.c_str(), command.c_str());
   }
 
   WalkOptions options_;
+  const std::string program_ = program();
   fs::path out_;
   Dataset dataset_;
   std::unique_ptr<Generator> generator_;

@@ -11,7 +11,7 @@ struct WalkOptions {
   std::filesystem::path out = "demo";
   std::string genre = "waack";
   std::string dancer;    // default: the first dancer of the genre
-  double minutes = 5.5;  // for all training together
+  double minutes = 6.5;  // for all training together
   double seconds = 12;   // of the generated dance
   std::int64_t seed = 1;
   std::string device = "auto";

@@ -1,7 +1,6 @@
 #include "model/transformer/setup.h"
 
 #include <ATen/Parallel.h>
-#include <cpuid.h>
 #include <malloc.h>
 #include <sys/resource.h>
 #include <torch/cuda.h>
@@ -11,22 +10,11 @@
 #include <thread>
 
 #include "common/error.h"
+#include "model/transformer/cpu/features.h"
 
 namespace mocaplm {
 
 namespace {
-
-// CPUID leaf 7, sub-leaf 1, EAX bit 5: AVX512_BF16. Its support by the system follows from
-// AVX-512F's.
-bool cpu_has_bf16() {
-#if defined(__x86_64__)
-  unsigned a = 0, b = 0, c = 0, d = 0;
-  if (!__get_cpuid_count(7, 1, &a, &b, &c, &d)) return false;
-  return (a >> 5 & 1) != 0 && __builtin_cpu_supports("avx512f") != 0;
-#else
-  return false;
-#endif
-}
 
 constexpr std::uint64_t kMiB = 1 << 20;
 
@@ -58,7 +46,7 @@ at::Device choose_device(const std::string& name) {
 at::ScalarType choose_precision(const std::string& name, const at::Device& device) {
   if (name == "bf16") return at::kBFloat16;
   if (name == "f32") return at::kFloat;
-  return device.is_cuda() || cpu_has_bf16() ? at::kBFloat16 : at::kFloat;
+  return device.is_cuda() || cpu::has_avx512_bf16() ? at::kBFloat16 : at::kFloat;
 }
 
 void set_up_cpu(int threads) {
