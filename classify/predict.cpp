@@ -29,10 +29,8 @@ StoredClassifier load_classifier(const PredictOptions& options, const at::Device
   if (out.tasks.empty())
     throw UsageError(place + " is no classifier: train one with `mocaplm classify --model " +
                      place + " --data DATASET --out FOLDER`");
-  out.tokenizer = Tokenizer::from_json(stored.tokenizer, place + "/tokenizer.json");
-  if (out.tokenizer.fingerprint() != stored.description.tokenizer_fingerprint)
-    throw DataError(in_file(place),
-                    "tokenizer.json is not the tokenizer that this model was trained with");
+  out.tokenizer =
+      Tokenizer::of_model(stored.tokenizer, stored.description.tokenizer_fingerprint, place);
   stored.description.conditions.clear();
   out.window_frames =
       window_frames(stored.description, static_cast<std::int64_t>(out.tasks.size()));

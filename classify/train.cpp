@@ -42,10 +42,8 @@ Setup set_up(const ClassifyOptions& options) {
   Setup s;
   s.place = resolve_model(options.model).string();
   s.stored = load_model(options.model);
-  s.tokenizer = Tokenizer::from_json(s.stored.tokenizer, s.place + "/tokenizer.json");
-  if (s.tokenizer.fingerprint() != s.stored.description.tokenizer_fingerprint)
-    throw DataError(in_file(s.place),
-                    "tokenizer.json is not the tokenizer that this model was trained with");
+  s.tokenizer =
+      Tokenizer::of_model(s.stored.tokenizer, s.stored.description.tokenizer_fingerprint, s.place);
   s.dataset = load_dataset(options.data);
   s.tasks = make_tasks(s.dataset, options.config.labels);
   // A classifier is told no conditions: they would tell it the answer.

@@ -132,10 +132,8 @@ std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
   set_up_cpu(options.threads);
   const std::string place = resolve_model(options.model).string();
   const StoredModel stored = load_model(options.model);
-  const Tokenizer tokenizer = Tokenizer::from_json(stored.tokenizer, place + "/tokenizer.json");
-  if (tokenizer.fingerprint() != stored.description.tokenizer_fingerprint)
-    throw DataError(in_file(place),
-                    "tokenizer.json is not the tokenizer that this model was trained with");
+  const Tokenizer tokenizer =
+      Tokenizer::of_model(stored.tokenizer, stored.description.tokenizer_fingerprint, place);
   const auto model = load_transformer(stored, place);
   const at::Device device = choose_device(options.device);
   model->to(device);

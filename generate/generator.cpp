@@ -14,10 +14,10 @@ namespace {
 constexpr std::int32_t kFree = -1;
 
 Tokenizer matching_tokenizer(const StoredModel& model, const std::string& place) {
-  Tokenizer tokenizer = Tokenizer::from_json(model.tokenizer, place + "/tokenizer.json");
+  Tokenizer tokenizer =
+      Tokenizer::of_model(model.tokenizer, model.description.tokenizer_fingerprint, place);
   const StreamShape& shape = model.description.shape;
-  if (tokenizer.fingerprint() != model.description.tokenizer_fingerprint ||
-      tokenizer.vocabulary() != shape.vocabulary || tokenizer.channels() != shape.channels ||
+  if (tokenizer.vocabulary() != shape.vocabulary || tokenizer.channels() != shape.channels ||
       tokenizer.bins() != shape.bins || Tokenizer::kFirstBin != shape.first_bin)
     throw DataError(in_file(place),
                     "tokenizer.json is not the tokenizer that this model was trained with");

@@ -120,6 +120,10 @@ class Tokenizer {
 
   Json to_json() const;
   static Tokenizer from_json(const Json& json, const std::string& place);
+  // The tokenizer of the model in `folder`, whose config repeats `fingerprint`. Throws DataError
+  // when it is another one.
+  static Tokenizer of_model(const Json& json, const std::string& fingerprint,
+                            const std::string& folder);
   void save(const std::filesystem::path& path) const;
   static Tokenizer load(const std::filesystem::path& path);
   // Changes with anything that changes what a token id of a bin means; not with added labels.

@@ -57,6 +57,17 @@ Json Tokenizer::to_json() const {
   return json;
 }
 
+Tokenizer Tokenizer::of_model(const Json& json, const std::string& fingerprint,
+                              const std::string& folder) {
+  Tokenizer tokenizer = from_json(json, folder + "/tokenizer.json");
+  if (tokenizer.fingerprint() != fingerprint)
+    throw DataError(in_file(folder),
+                    "tokenizer.json is not the tokenizer that this model was trained with "
+                    "(fingerprint " +
+                        tokenizer.fingerprint() + ", expected " + fingerprint + ")");
+  return tokenizer;
+}
+
 Tokenizer Tokenizer::from_json(const Json& json, const std::string& place) {
   JsonObject object(json, place);
   object.choice("format", {kFormat});

@@ -39,14 +39,7 @@ StreamShape stream_shape(const Tokenizer& tokenizer) {
 }
 
 Tokenizer stored_tokenizer(const StoredModel& stored, const std::string& place) {
-  Tokenizer tokenizer = Tokenizer::from_json(stored.tokenizer, place + "/tokenizer.json");
-  if (tokenizer.fingerprint() != stored.description.tokenizer_fingerprint)
-    throw DataError(
-        in_file(place),
-        "tokenizer.json is not the tokenizer that this model was trained with (fingerprint " +
-            tokenizer.fingerprint() + ", expected " + stored.description.tokenizer_fingerprint +
-            ")");
-  return tokenizer;
+  return Tokenizer::of_model(stored.tokenizer, stored.description.tokenizer_fingerprint, place);
 }
 
 void add_condition_tokens(TrainSetup& setup, const TrainOptions& options) {

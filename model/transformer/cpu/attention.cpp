@@ -1,5 +1,7 @@
 #include "model/transformer/cpu/attention.h"
 
+#include <cstdlib>
+
 #include "model/transformer/cpu/attention_avx512.h"
 #include "model/transformer/cpu/dropout_hash.h"
 #include "model/transformer/cpu/features.h"
@@ -30,12 +32,16 @@ void attention_backward(const AttentionShape& shape, const bf16* qkv, const bf16
   avx512::attention_backward(shape, qkv, out, log_sum, dout, dqkv, first, last);
 }
 
-#else  // never called: attention_available says no
+#else  // attention_available says no, so nobody calls these
 
 void attention_forward(const AttentionShape&, const bf16*, bf16*, float*, std::int64_t,
-                       std::int64_t) {}
+                       std::int64_t) {
+  std::abort();
+}
 void attention_backward(const AttentionShape&, const bf16*, const bf16*, const float*, const bf16*,
-                        bf16*, std::int64_t, std::int64_t) {}
+                        bf16*, std::int64_t, std::int64_t) {
+  std::abort();
+}
 
 #endif
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -15,33 +14,21 @@
 #include "common/random.h"
 #include "motion/clip.h"
 #include "support/refusal.h"
+#include "temporary_folder.h"
 
 namespace mocaplm {
 
-// A folder that vanishes with the test.
-class Scratch {
+// A temporary folder that files are put into.
+class Scratch : public TemporaryFolder {
  public:
-  Scratch() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              ("mocaplm-" + std::to_string(::getpid()) + "-" + test->name());
-    std::filesystem::create_directories(folder_);
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
   // Plain and quick: no care for what was there (ext4 waits for the disk when a file is
   // overwritten).
   std::filesystem::path put(const std::string& name, const std::string& bytes) const {
-    std::filesystem::remove(folder_ / name);
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return folder_ / name;
+    const std::filesystem::path path = *this / name;
+    std::filesystem::remove(path);
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path;
   }
-
- private:
-  std::filesystem::path folder_;
 };
 
 inline std::filesystem::path shared_formats() {
