@@ -1,14 +1,15 @@
 // mocaplm generate: a dance from a few joints, a continuation, or from nothing.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
 #include "app/commands.h"
+#include "app/frame_stream.h"
 #include "app/generated.h"
 #include "app/options.h"
 #include "common/error.h"
 #include "common/files.h"
-#include "common/progress.h"
 #include "motion/formats/formats.h"
 #include "motion/skeleton.h"
 
@@ -17,13 +18,22 @@ namespace mocaplm {
 namespace {
 
 struct GenerateCommand {
-  std::string model, prompt, out = "generated", json;
+  std::string model, prompt, out = "generated", json, stream, precision = "bf16";
   std::vector<std::string> joints, labels;
   Labels named;
   GenerateRequest request;
-  std::int64_t count = 1;
+  std::int64_t count = 1, batch = 16;
   int threads = 0;
 };
+
+// In the order of Precision.
+const std::vector<std::string> kPrecisions = {"f32", "bf16", "int8"};
+
+EngineOptions engine_options(const GenerateCommand& command) {
+  const auto precision = std::find(kPrecisions.begin(), kPrecisions.end(), command.precision);
+  return {static_cast<Precision>(precision - kPrecisions.begin()), command.threads,
+          std::min(command.count, command.batch)};
+}
 
 std::string numbered(const GenerateCommand& command, std::int64_t i) {
   return command.count == 1 ? command.out : command.out + "-" + std::to_string(i + 1);
@@ -40,6 +50,26 @@ void check_out(const GenerateCommand& command) {
       check_writable(file);
     }
   check_writable(command.json);
+  if (command.stream != "-") check_writable(command.stream);
+}
+
+// Writes the files; returns what is told of them.
+Table keep(const GenerateCommand& command, const Generator& generator,
+           const GenerateRequest& request, const GenerateResult& result, std::int64_t index) {
+  const std::string stem = numbered(command, index);
+  write_generated(stem, generator, request, result, command.model, command.prompt);
+  return generated_table(generator, request, result, stem);
+}
+
+// One table is a JSON object, several are a list. Standard output belongs to the frames where they
+// go there.
+void tell(const GenerateCommand& command, const std::vector<Table>& tables) {
+  if (command.stream != "-")
+    for (const Table& table : tables) std::fputs(table.text().c_str(), stdout);
+  if (command.json.empty()) return;
+  Json list = Json::array();
+  for (const Table& table : tables) list.push_back(table.json());
+  save_json(command.json, command.count == 1 ? list[0] : list);
 }
 
 void run_generate(GenerateCommand& command) {
@@ -49,21 +79,29 @@ void run_generate(GenerateCommand& command) {
     if (!value.empty()) request.labels[name] = value;
   request.joints = parse_joints(command.joints);
   check_out(command);
-  set_engine_threads(command.threads);
   const std::string place = resolve_model(command.model).string();
-  Generator generator(load_model(command.model), place);
+  Generator generator(load_model(command.model), place, engine_options(command));
   if (!command.prompt.empty()) request.prompt = read_clip(command.prompt, {});
   const std::int64_t seed = request.sampling.seed;
-  for (std::int64_t i = 0; i < command.count; ++i) {
-    request.sampling.seed = seed + i;
-    const std::string stem = numbered(command, i);
-    Progress bar("generate", 0, "frames");
-    const GenerateResult result =
-        generator.generate(request, [&](std::size_t done, std::size_t) { bar.update(done); });
-    bar.finish();
-    write_generated(stem, generator, request, result, command.model, command.prompt);
-    print_table(generated_table(generator, request, result, stem), command.json);
+  FrameStream stream(generator.tokenizer().config().fps, static_cast<std::size_t>(command.count),
+                     command.stream);
+  std::vector<Table> tables;
+  for (std::int64_t first = 0; first < command.count; first += command.batch) {
+    std::vector<GenerateRequest> requests;
+    for (std::int64_t i = first; i < std::min(command.count, first + command.batch); ++i) {
+      request.sampling.seed = seed + i;
+      requests.push_back(request);
+    }
+    const auto results = generator.generate(requests, [&](GeneratedFrame frame) {
+      frame.dance += static_cast<std::size_t>(first);
+      stream.tell(frame);
+    });
+    for (std::size_t i = 0; i < results.size(); ++i)
+      tables.push_back(
+          keep(command, generator, requests[i], results[i], first + static_cast<std::int64_t>(i)));
   }
+  stream.finish();
+  tell(command, tables);
 }
 
 }  // namespace
@@ -100,6 +138,19 @@ void add_generate(CLI::App& app) {
   generate->add_option("--count", command->count, "how many, with seeds seed, seed + 1, ...")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  generate
+      ->add_option("--batch", command->batch,
+                   "dances of --count that are decoded side by side; each is the same alone")
+      ->check(CLI::Range(std::int64_t{1}, Engine::kMaxSequences))
+      ->capture_default_str();
+  generate
+      ->add_option("--precision", command->precision,
+                   "of the weights: f32, bf16 (half the memory), int8 (a quarter, fastest)")
+      ->check(CLI::IsMember(kPrecisions))
+      ->capture_default_str();
+  generate->add_option("--stream", command->stream,
+                       "write each frame as a line of JSON as soon as it is there; - for the "
+                       "terminal or a pipe");
   generate->add_option("--threads", command->threads, "threads, 0 for all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

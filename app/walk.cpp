@@ -7,11 +7,11 @@
 #include <set>
 
 #include "app/demo_config.h"
+#include "app/frame_stream.h"
 #include "app/generated.h"
 #include "classify/train.h"
 #include "common/error.h"
 #include "common/files.h"
-#include "common/progress.h"
 #include "common/text.h"
 #include "generate/generator.h"
 #include "motion/formats/aist.h"
@@ -155,7 +155,8 @@ class Walk {
 
   void generate_dance() {
     const std::string model = (out_ / "model").string();
-    generator_ = std::make_unique<Generator>(load_model(model), resolve_model(model).string());
+    generator_ = std::make_unique<Generator>(load_model(model), resolve_model(model).string(),
+                                             EngineOptions{Precision::bf16, options_.threads, 1});
     const DatasetEntry entry = held_out(dataset_, options_.genre);
     prompt_name_ = entry.name;
     request_.prompt = load_clip(dataset_, entry);
@@ -165,10 +166,10 @@ class Walk {
     request_.seconds = std::min(options_.seconds, request_.prompt->seconds());
     request_.sampling.seed = options_.seed;
     request_.sampling.temperature = 0.9;
-    Progress bar("generate", 0, "frames");
+    FrameStream stream(generator_->tokenizer().config().fps, 1);
     result_ =
-        generator_->generate(request_, [&](std::size_t done, std::size_t) { bar.update(done); });
-    bar.finish();
+        generator_->generate(request_, [&](const GeneratedFrame& frame) { stream.tell(frame); });
+    stream.finish();
     write_generated((out_ / "dance").string(), *generator_, request_, result_, "model",
                     prompt_name_);
     std::fputs(

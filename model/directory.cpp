@@ -1,5 +1,6 @@
 #include "model/directory.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -185,18 +186,40 @@ void check_input(const ModelInput& input, const ModelDescription& model, const s
   check(input.last_surprise, sizes.history_rows, "last surprise");
 }
 
+namespace {
+
+// Mean distance over the spread of what is expected: about 1 or more for other weights.
+double relative_distance(const std::vector<float>& logits, const std::vector<float>& expected) {
+  double mean = 0, spread = 0, distance = 0;
+  for (const float value : expected) mean += value / static_cast<double>(expected.size());
+  for (std::size_t i = 0; i < logits.size(); ++i) {
+    spread += std::abs(expected[i] - mean);
+    distance += std::abs(static_cast<double>(logits[i]) - expected[i]);
+  }
+  return distance / std::max(spread, 1e-3 * static_cast<double>(expected.size()));
+}
+
+}  // namespace
+
 void check_self_test(const SelfTestCase& expected, const std::vector<float>& logits,
-                     const std::string& place) {
+                     const std::string& place, double tolerance) {
   if (logits.size() != expected.logits.size())
     throw DataError(in_file(place), "expects " + std::to_string(expected.logits.size()) +
                                         " logits, the model gives " +
                                         std::to_string(logits.size()));
+  const std::string rest = "; weights and config do not belong together";
+  if (tolerance > 0) {
+    const double distance = relative_distance(logits, expected.logits);
+    if (!(distance <= tolerance))
+      throw DataError(in_file(place), "the model's self-test fails: the logits are off by " +
+                                          format_number(distance) + " of their spread" + rest);
+    return;
+  }
   for (std::size_t i = 0; i < logits.size(); ++i)
     if (!(std::abs(logits[i] - expected.logits[i]) <= 2e-2f + 1e-3f * std::abs(expected.logits[i])))
       throw DataError(in_file(place), "the model's self-test fails: logit " + std::to_string(i) +
                                           " is " + std::to_string(logits[i]) + ", expected " +
-                                          std::to_string(expected.logits[i]) +
-                                          "; weights and config do not belong together");
+                                          std::to_string(expected.logits[i]) + rest);
 }
 
 void save_model(const fs::path& path, const StoredModel& model,

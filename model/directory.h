@@ -46,9 +46,10 @@ TensorMap language_tensors(const TensorMap& tensors);
 
 // Throws DataError when an index of the input lies outside the model's tables.
 void check_input(const ModelInput& input, const ModelDescription& model, const std::string& place);
-// Throws DataError when logits computed now differ from the stored ones by more than rounding.
+// Throws DataError when logits computed now differ from the stored ones by more than rounding:
+// f32's where `tolerance` is 0; otherwise their mean distance may be this share of their spread.
 void check_self_test(const SelfTestCase& expected, const std::vector<float>& logits,
-                     const std::string& place);
+                     const std::string& place, double tolerance = 0);
 
 // Writes a whole directory beside `path` and swaps it in; `more` may add files to it before the
 // marker.

@@ -1,13 +1,13 @@
-// The decoding engine against the trainable transformer, position by position, and its kernels
-// against plain loops.
+// The decoding engine against the trainable transformer, position by position, in every precision
+// and with every set of instructions.
 #include "generate/engine.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "generate/kernels.h"
 #include "model/transformer/weights.h"
+#include "support/kernel_levels.h"
 #include "support/refusal.h"
 #include "support/small_models.h"
 
@@ -88,39 +88,18 @@ void expect_pieces(Engine& engine, const ModelInput& input,
   }
 }
 
-class EveryKernel : public testing::TestWithParam<KernelLevel> {
- protected:
-  void SetUp() override {
-    if (GetParam() > best_kernel_level())
-      GTEST_SKIP() << "this processor has no " << to_string(GetParam());
-    set_kernel_level(GetParam());
-  }
-  void TearDown() override {
-    set_kernel_level(best_kernel_level());
-    set_engine_threads(1);
-  }
-};
+class EveryEngine : public EveryKernel {};
+INSTANTIATE_TEST_SUITE_P(Levels, EveryEngine, all_levels(), level_name);
 
-INSTANTIATE_TEST_SUITE_P(Levels, EveryKernel,
-                         testing::Values(KernelLevel::plain, KernelLevel::avx2,
-                                         KernelLevel::avx512),
-                         [](const auto& info) {
-                           return info.param == KernelLevel::avx512 ? "avx512"
-                                  : info.param == KernelLevel::avx2 ? "avx2"
-                                                                    : "plain";
-                         });
-
-TEST_P(EveryKernel, EngineGivesTheTransformersLogits) {
+TEST_P(EveryEngine, GivesTheTransformersLogits) {
   for (const ModelDescription& variant : all_variants()) {
     const ModelDescription d = wider(variant);
     SCOPED_TRACE(variant_name(d));
     const StoredModel stored = stored_model(d, 1);
     const ModelInput input = some_window(d, 2);
     const auto expected = full_logits(stored, input);
-    set_engine_threads(1);
-    Engine engine(stored, "m");
     for (const int threads : {1, 2}) {
-      set_engine_threads(threads);  // raised after the engine was made
+      Engine engine(stored, "m", {Precision::f32, threads, 1});
       expect_pieces(engine, input, expected, std::vector<std::size_t>(input.size(), 1));
       for (const std::size_t first : {1, 5, 63, 64, 65, 128, 130, 149})
         expect_pieces(engine, input, expected, {first, 1, 3, 1, 1, 2, 70, 1});
@@ -130,110 +109,76 @@ TEST_P(EveryKernel, EngineGivesTheTransformersLogits) {
   }
 }
 
-TEST_P(EveryKernel, PackedLinearIsTheMatrixProduct) {
-  Random random(3);
-  const auto numbers = [&](std::int64_t count) {
-    std::vector<float> values;
-    for (std::int64_t i = 0; i < count; ++i) values.push_back(static_cast<float>(random.normal()));
-    return values;
-  };
-  for (const int threads : {1, 2}) {
-    set_engine_threads(threads);
-    for (const std::int64_t out : {1, 31, 32, 33, 100, 260})
-      for (const std::int64_t in : {1, 7, 64, 129})
-        for (const std::int64_t rows : {1, 2, 3, 4, 5, 9}) {
-          const std::vector<float> weight = numbers(out * in), bias = numbers(out),
-                                   x = numbers(rows * in);
-          const PackedLinear linear(weight.data(), bias.data(), out, in);
-          std::vector<float> y(static_cast<std::size_t>(rows * out + 8), 77.f);
-          linear.apply(x.data(), y.data(), rows);
-          for (std::int64_t r = 0; r < rows; ++r)
-            for (std::int64_t o = 0; o < out; ++o) {
-              double sum = bias[static_cast<std::size_t>(o)];
-              for (std::int64_t k = 0; k < in; ++k)
-                sum += static_cast<double>(x[static_cast<std::size_t>(r * in + k)]) *
-                       weight[static_cast<std::size_t>(o * in + k)];
-              ASSERT_NEAR(y[static_cast<std::size_t>(r * out + o)], sum, 1e-4)
-                  << out << " x " << in << ", row " << r << ", output " << o;
-            }
-          for (std::int64_t i = rows * out; i < rows * out + 8; ++i)
-            ASSERT_EQ(y[static_cast<std::size_t>(i)], 77.f) << "written past the end";
-        }
-  }
-}
-
-TEST_P(EveryKernel, AttendIsTheSoftmaxAverage) {
-  Random random(4);
-  for (const std::int64_t width : {1, 7, 16, 64})
-    for (const std::int64_t count : {1, 2, 33, 200}) {
-      const std::int64_t stride = width + 5;
-      std::vector<float> query, keys, values;
-      for (std::int64_t i = 0; i < width; ++i)
-        query.push_back(static_cast<float>(2 * random.normal()));
-      for (std::int64_t i = 0; i < count * stride; ++i) {
-        keys.push_back(static_cast<float>(2 * random.normal()));
-        values.push_back(static_cast<float>(random.normal()));
-      }
-      std::vector<double> p, expected(static_cast<std::size_t>(width), 0.0);
-      double total = 0;
-      for (std::int64_t t = 0; t < count; ++t) {
-        double score = 0;
-        for (std::int64_t i = 0; i < width; ++i)
-          score += static_cast<double>(query[static_cast<std::size_t>(i)]) *
-                   keys[static_cast<std::size_t>(t * stride + i)];
-        p.push_back(std::exp(score / std::sqrt(static_cast<double>(width))));
-        total += p.back();
-      }
-      for (std::int64_t t = 0; t < count; ++t)
-        for (std::int64_t i = 0; i < width; ++i)
-          expected[static_cast<std::size_t>(i)] += p[static_cast<std::size_t>(t)] / total *
-                                                   values[static_cast<std::size_t>(t * stride + i)];
-      std::vector<float> scores(static_cast<std::size_t>(count)),
-          out(static_cast<std::size_t>(width));
-      attend(query.data(), keys.data(), values.data(), count, stride, width, scores.data(),
-             out.data());
-      for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(out[i], expected[i], 1e-4);
-    }
-}
-
-TEST(Kernels, LayerNormAndGeluAreTheirFormulas) {
-  Random random(5);
-  const std::int64_t rows = 3, width = 37;
-  std::vector<float> x, weight, bias, y(static_cast<std::size_t>(rows * width));
-  for (std::int64_t i = 0; i < rows * width; ++i)
-    x.push_back(static_cast<float>(1000 + 3 * random.normal()));
-  for (std::int64_t i = 0; i < width; ++i) {
-    weight.push_back(static_cast<float>(random.normal()));
-    bias.push_back(static_cast<float>(random.normal()));
-  }
-  layer_norm(x.data(), weight.data(), bias.data(), rows, width, y.data());
-  for (std::int64_t r = 0; r < rows; ++r) {
-    const float *row = x.data() + r * width, *out = y.data() + r * width;
-    double mean = 0, square = 0;
-    for (std::int64_t i = 0; i < width; ++i) mean += row[i] / static_cast<double>(width);
-    for (std::int64_t i = 0; i < width; ++i)
-      square += (row[i] - mean) * (row[i] - mean) / static_cast<double>(width);
-    for (std::int64_t i = 0; i < width; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      ASSERT_NEAR(out[i], (row[i] - mean) / std::sqrt(square + 1e-5) * weight[at] + bias[at], 1e-4);
+// Root mean square distance over the spread of the expected logits.
+double relative_error(Engine& engine, const ModelInput& input,
+                      const std::vector<std::vector<float>>& expected) {
+  engine.reset();
+  double error = 0, spread = 0;
+  for (std::size_t t = 0; t < input.size(); ++t) {
+    const std::vector<float>& got = engine.feed(part(input, t, t + 1));
+    for (std::size_t i = 0; i < got.size(); ++i) {
+      error += std::pow(static_cast<double>(got[i]) - expected[t][i], 2);
+      spread += std::pow(static_cast<double>(expected[t][i]), 2);
     }
   }
-  std::vector<float> v;
-  for (double value = -12; value <= 12; value += 0.01) v.push_back(static_cast<float>(value));
-  std::vector<float> g = v;
-  gelu(g.data(), static_cast<std::int64_t>(g.size()));
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const double z = v[i];
-    ASSERT_NEAR(g[i], 0.5 * z * (1 + std::erf(z / std::sqrt(2.0))), 1e-5) << z;
+  return std::sqrt(error / spread);
+}
+
+TEST_P(EveryEngine, LowerPrecisionsAreClose) {
+  const ModelDescription d = wider(small_description());
+  const StoredModel stored = stored_model(d, 3);
+  const ModelInput input = some_window(d, 4);
+  const auto expected = full_logits(stored, input);
+  Engine half(stored, "m", {Precision::bf16, 1, 1}), byte(stored, "m", {Precision::int8, 1, 1});
+  const double half_error = relative_error(half, input, expected),
+               byte_error = relative_error(byte, input, expected);
+  EXPECT_LT(half_error, 0.02);
+  EXPECT_LT(byte_error, 0.05);
+  EXPECT_GT(half_error, 1e-5) << "is it f32 after all?";
+  EXPECT_GT(byte_error, 1e-5) << "is it f32 after all?";
+}
+
+// A sequence's logits are bitwise the same with other sequences beside it, with any number of
+// threads, and fed in any pieces.
+TEST_P(EveryEngine, SequencesDoNotSeeEachOther) {
+  const ModelDescription d = wider(small_description());
+  const StoredModel stored = stored_model(d, 5);
+  const std::vector<ModelInput> inputs = {some_window(d, 6), some_window(d, 7), some_window(d, 8)};
+  for (const Precision precision : {Precision::f32, Precision::bf16, Precision::int8}) {
+    Engine alone(stored, "m", {precision, 1, 1}), together(stored, "m", {precision, 2, 3});
+    std::vector<std::vector<std::vector<float>>> expected(3);
+    for (std::size_t s = 0; s < 3; ++s) {
+      alone.reset();
+      for (std::size_t t = 0; t < inputs[s].size(); ++t)
+        expected[s].push_back(alone.feed(part(inputs[s], t, t + 1)));
+    }
+    std::vector<std::size_t> at(3, 0);
+    Random random(9);
+    for (int step = 0; step < 40; ++step) {
+      std::vector<ModelInput> pieces(3);
+      std::vector<Engine::Feed> feeds;
+      for (const std::size_t s : {2, 0, 1}) {
+        const std::size_t end = std::min(at[s] + 1 + random.below(5), inputs[s].size());
+        if (random.below(4) == 0 || end == at[s]) continue;
+        pieces[s] = part(inputs[s], at[s], end);
+        at[s] = end;
+        feeds.push_back({static_cast<std::int64_t>(s), &pieces[s]});
+      }
+      if (feeds.empty()) continue;
+      const auto& logits = together.feed(feeds);
+      ASSERT_EQ(logits.size(), feeds.size());
+      for (std::size_t f = 0; f < feeds.size(); ++f) {
+        const auto s = static_cast<std::size_t>(feeds[f].sequence);
+        ASSERT_EQ(logits[f], expected[s][at[s] - 1]) << to_string(precision) << " " << step;
+      }
+    }
   }
 }
 
-TEST(Kernels, ALevelThatTheProcessorLacksIsNotTaken) {
-  set_kernel_level(KernelLevel::avx512);
-  EXPECT_EQ(kernel_level(), best_kernel_level());
-  set_kernel_level(KernelLevel::plain);
-  EXPECT_EQ(kernel_level(), KernelLevel::plain);
-  set_kernel_level(best_kernel_level());
+TEST(Engine, RefusesImpossibleNumbersOfSequences) {
+  const StoredModel stored = stored_model(small_description(), 1);
+  EXPECT_THROW(Engine(stored, "m", {Precision::f32, 1, 0}), UsageError);
+  EXPECT_THROW(Engine(stored, "m", {Precision::f32, 1, Engine::kMaxSequences + 1}), UsageError);
 }
 
 TEST(Engine, RerunsTheStoredSelfTest) {
@@ -246,8 +191,18 @@ TEST(Engine, RerunsTheStoredSelfTest) {
   Engine engine(stored, "m");
   EXPECT_EQ(engine.length(), 0);
   EXPECT_EQ(engine.capacity(), 24);
+  for (const Precision precision : {Precision::bf16, Precision::int8})
+    EXPECT_NO_THROW(Engine(stored, "m", {precision, 1, 1}));
   stored.self_test[0].logits[4] += 1;
   EXPECT_TRUE(contains(refusal<DataError>([&] { Engine(stored, "m"); }), "self-test fails"));
+  // Rounding does not excuse other weights.
+  StoredModel other = stored;
+  other.tensors = random_weights(d, 99);
+  for (const Precision precision : {Precision::f32, Precision::bf16, Precision::int8})
+    EXPECT_TRUE(contains(refusal<DataError>([&] {
+                           Engine(other, "m", {precision, 1, 1});
+                         }),
+                         "self-test fails"));
   stored.self_test[0].input.frame[4] = 9;
   EXPECT_TRUE(contains(refusal<DataError>([&] { Engine(stored, "m"); }), "frame 9"));
 }

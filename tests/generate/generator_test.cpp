@@ -66,11 +66,11 @@ auto joint(const Clip& clip, int index) {
 
 TEST_F(Dance, HasTheLengthAndTheJointsAskedFor) {
   std::vector<std::size_t> steps;
-  const GenerateResult r =
-      generator_.generate(request(1.5), [&](std::size_t done, std::size_t all) {
-        EXPECT_EQ(all, 30u);
-        steps.push_back(done);
-      });
+  const GenerateResult r = generator_.generate(request(1.5), [&](const GeneratedFrame& frame) {
+    EXPECT_EQ(frame.frames, 30u);
+    EXPECT_EQ(frame.dance, 0u);
+    steps.push_back(frame.index + 1);
+  });
   ASSERT_EQ(steps.size(), 30u);
   EXPECT_EQ(steps.front(), 1u);
   EXPECT_EQ(steps.back(), 30u);
@@ -188,6 +188,43 @@ TEST_F(Dance, RepeatsBySeedWhateverCameBefore) {
   EXPECT_EQ(Generator(model_, "m").generate(r).clip.poses, first.clip.poses);
   r.sampling.seed = 2;
   EXPECT_NE(generator_.generate(r).clip.poses, first.clip.poses);
+}
+
+// Several dances side by side, each with a request of its own, are what each is alone; more of them
+// than sequences wait for their turn.
+TEST_F(Dance, ManyAtOnceAreWhatEachIsAlone) {
+  std::vector<GenerateRequest> requests;
+  for (int i = 0; i < 7; ++i) {
+    GenerateRequest r = request(0.5 + 0.3 * i);
+    r.sampling.seed = i;
+    if (i % 3 == 1) r.prompt = random_clip(static_cast<std::uint64_t>(20 + i), 15);
+    if (i == 4) r.joints = {kKnee};
+    if (i == 5) r.labels = {{"style", "wild"}};
+    requests.push_back(r);
+  }
+  for (const Precision precision : {Precision::f32, Precision::int8}) {
+    Generator alone(model_, "m", {precision, 1, 1}), together(model_, "m", {precision, 2, 3});
+    std::vector<std::size_t> frames(requests.size(), 0);
+    std::vector<Clip> told(requests.size());
+    const auto results = together.generate(requests, [&](const GeneratedFrame& frame) {
+      EXPECT_EQ(frame.index, frames[frame.dance]++);
+      Clip& clip = told[frame.dance];
+      clip.poses.conservativeResize(clip.poses.rows() + 1, 72);
+      clip.trans.conservativeResize(clip.trans.rows() + 1, 3);
+      clip.poses.bottomRows(1) = frame.pose.poses;
+      clip.trans.bottomRows(1) = frame.pose.trans;
+    });
+    ASSERT_EQ(results.size(), requests.size());
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+      const GenerateResult one = alone.generate(requests[i]);
+      EXPECT_EQ(results[i].clip.poses, one.clip.poses) << i;
+      EXPECT_EQ(results[i].clip.trans, one.clip.trans) << i;
+      EXPECT_EQ(results[i].notes, one.notes);
+      // The frames that were told one by one are the same dance.
+      EXPECT_EQ(told[i].poses, one.clip.poses) << i;
+      EXPECT_LT((told[i].trans - one.clip.trans).norm(), 1e-9) << i;
+    }
+  }
 }
 
 TEST_F(Dance, ConditionsChangeTheDance) {

@@ -1,0 +1,144 @@
+// The kernels for AVX-512 with VNNI and BF16, whose dot products take pairs of bf16.
+#include "generate/kernels/vnni.h"
+
+namespace mocaplm {
+namespace {
+
+inline __m512bh pairs(const std::uint32_t* words) {
+  return (__m512bh)_mm512_loadu_si512(words);
+}
+
+inline __m512bh same_pair(const void* word) {
+  std::int32_t two;
+  std::memcpy(&two, word, sizeof two);
+  return (__m512bh)_mm512_set1_epi32(two);
+}
+
+// Values i .. i+31 of x (count) as 16 words of pairs, zeros past the end.
+inline __m512i rounded(const float* x, std::int64_t i, std::int64_t count) {
+  const std::int64_t left = count - i;
+  const auto mask = [](std::int64_t n) {
+    return static_cast<__mmask16>(n >= 16 ? 0xffff : n > 0 ? (1 << n) - 1 : 0);
+  };
+  return (__m512i)_mm512_cvtne2ps_pbh(_mm512_maskz_loadu_ps(mask(left - 16), x + i + 16),
+                                      _mm512_maskz_loadu_ps(mask(left), x + i));
+}
+
+// Writes `words` words.
+inline void round_row(const float* x, std::int64_t count, std::int64_t words, std::uint32_t* to) {
+  for (std::int64_t w = 0; w < words; w += 16) {
+    const std::int64_t left = words - w;
+    const auto mask = static_cast<__mmask16>(left >= 16 ? 0xffff : (1 << left) - 1);
+    _mm512_mask_storeu_epi32(to + w, mask, rounded(x, 2 * w, count));
+  }
+}
+
+void prepare_pairs(const float* x, std::int64_t rows, std::int64_t in, std::int64_t depth,
+                   void* prepared) {
+  for (std::int64_t r = 0; r < rows; ++r)
+    round_row(x + r * in, in, depth, static_cast<std::uint32_t*>(prepared) + r * depth);
+}
+
+template <int Rows>
+inline void tile_pairs(const std::uint32_t* x, std::int64_t depth, const std::uint32_t* panel,
+                       float* tile) {
+  constexpr int kVectors = kPanel / 16;
+  __m512 sum[Rows][kVectors];
+  for (int r = 0; r < Rows; ++r)
+    for (int v = 0; v < kVectors; ++v) sum[r][v] = _mm512_setzero_ps();
+  for (std::int64_t k = 0; k < depth; ++k) {
+    __m512bh weights[kVectors];
+    for (int v = 0; v < kVectors; ++v) weights[v] = pairs(panel + k * kPanel + v * 16);
+    for (int r = 0; r < Rows; ++r) {
+      const __m512bh left = same_pair(x + r * depth + k);
+      for (int v = 0; v < kVectors; ++v) sum[r][v] = _mm512_dpbf16_ps(sum[r][v], left, weights[v]);
+    }
+  }
+  for (int r = 0; r < Rows; ++r)
+    for (int v = 0; v < kVectors; ++v) _mm512_storeu_ps(tile + r * kPanel + v * 16, sum[r][v]);
+}
+
+void product_pairs(const void* prepared, std::int64_t rows, std::int64_t depth,
+                   const std::uint32_t* panel, float* tile) {
+  const auto* x = static_cast<const std::uint32_t*>(prepared);
+  std::int64_t r = 0;
+  for (; r + 6 <= rows; r += 6) tile_pairs<6>(x + r * depth, depth, panel, tile + r * kPanel);
+  for (; r + 4 <= rows; r += 4) tile_pairs<4>(x + r * depth, depth, panel, tile + r * kPanel);
+  for (; r + 2 <= rows; r += 2) tile_pairs<2>(x + r * depth, depth, panel, tile + r * kPanel);
+  if (r < rows) tile_pairs<1>(x + r * depth, depth, panel, tile + r * kPanel);
+}
+
+// Scores of `Blocks` blocks of keys: each has a sum of its own, for the sums wait for each other.
+template <int Blocks>
+inline void score_blocks(const std::uint32_t* query, const std::uint32_t* keys, std::int64_t words,
+                         float* scores) {
+  __m512 sum[Blocks];
+  for (int b = 0; b < Blocks; ++b) sum[b] = _mm512_setzero_ps();
+  for (std::int64_t d = 0; d < words; ++d) {
+    const __m512bh left = same_pair(query + d);
+    for (int b = 0; b < Blocks; ++b)
+      sum[b] = _mm512_dpbf16_ps(sum[b], left, pairs(keys + (b * words + d) * kLanes));
+  }
+  for (int b = 0; b < Blocks; ++b) _mm512_storeu_ps(scores + b * kLanes, sum[b]);
+}
+
+// 16 * Vectors columns of the weighted sum of values; even and odd pairs of positions apart, for
+// the same reason.
+template <int Vectors>
+inline void sum_values(const float* weights, const std::uint32_t* values, std::int64_t pair_count,
+                       std::int64_t padded, float scale, float* sums) {
+  __m512 sum[2][Vectors];
+  for (int v = 0; v < Vectors; ++v) sum[0][v] = sum[1][v] = _mm512_setzero_ps();
+  for (std::int64_t t = 0; t < pair_count; t += 2)  // whole blocks: an even number of pairs
+    for (int half = 0; half < 2; ++half) {
+      const __m512bh left = same_pair(weights + t + half);
+      for (int v = 0; v < Vectors; ++v)
+        sum[half][v] =
+            _mm512_dpbf16_ps(sum[half][v], left, pairs(values + (t + half) * padded + v * 16));
+    }
+  const __m512 scales = _mm512_set1_ps(scale);
+  for (int v = 0; v < Vectors; ++v)
+    _mm512_storeu_ps(sums + v * 16, _mm512_mul_ps(_mm512_add_ps(sum[0][v], sum[1][v]), scales));
+}
+
+void attend_pairs(const float* query, const std::uint32_t* keys, const std::uint32_t* values,
+                  std::int64_t count, std::int64_t width, float* scores, float* out) {
+  constexpr std::int64_t kChunk = 1024;  // values of a query that are rounded at a time
+  const std::int64_t words = (width + 1) / 2, blocks = (count + kLanes - 1) / kLanes;
+  std::uint32_t rounded_query[kChunk / 2];
+  if (width > kChunk) return attend_bf16(query, keys, values, count, width, scores, out);
+  round_row(query, width, words, rounded_query);
+  std::int64_t b = 0;
+  for (; b + 8 <= blocks; b += 8)
+    score_blocks<8>(rounded_query, keys + b * words * kLanes, words, scores + b * kLanes);
+  for (; b < blocks; ++b)
+    score_blocks<1>(rounded_query, keys + b * words * kLanes, words, scores + b * kLanes);
+  const float scale = softmax(scores, count);
+  // Rounded in place: a word is written after the two values that it holds were read.
+  for (std::int64_t t = 0; t < blocks; t += 2) {
+    const __m512i both = rounded(scores, t * kLanes, blocks * kLanes);
+    _mm512_mask_storeu_epi32(scores + t * kLanes / 2, t + 1 < blocks ? 0xffff : 0xff, both);
+  }
+  const std::int64_t pair_count = blocks * kLanes / 2;
+  const std::int64_t padded = (width + kLanes - 1) / kLanes * kLanes;
+  for (std::int64_t c = 0; c < padded;) {
+    alignas(64) float sums[64];
+    const std::int64_t vectors = padded - c >= 64 ? 4 : padded - c >= 32 ? 2 : 1;
+    if (vectors == 4)
+      sum_values<4>(scores, values + c, pair_count, padded, scale, sums);
+    else if (vectors == 2)
+      sum_values<2>(scores, values + c, pair_count, padded, scale, sums);
+    else
+      sum_values<1>(scores, values + c, pair_count, padded, scale, sums);
+    for (std::int64_t j = 0; j < vectors * 16 && c + j < width; ++j) out[c + j] = sums[j];
+    c += vectors * 16;
+  }
+}
+
+}  // namespace
+
+const Kernels kAvx512Bf16Kernels = {product_f32,  prepare_pairs, product_pairs, prepare_vnni,
+                                    product_vnni, attend_f32,    attend_pairs,  layer_norm,
+                                    store,        store_gelu,    store_sum};
+
+}  // namespace mocaplm
