@@ -6,6 +6,7 @@
 #include "app/commands.h"
 #include "app/options.h"
 #include "common/files.h"
+#include "generate/kernels/level.h"
 
 namespace mocaplm {
 
@@ -30,6 +31,10 @@ void add_evaluate(CLI::App& app) {
   evaluate->add_option("--precision", options->precision, "type of the matrix products")
       ->check(CLI::IsMember({"auto", "bf16", "f32"}))
       ->capture_default_str();
+  evaluate
+      ->add_option("--engine", options->engine,
+                   "score with the engine that generates, in this precision, instead of LibTorch")
+      ->check(CLI::IsMember(precision_names()));
   evaluate->add_option("--json", *json, "also write the tables as JSON");
   add_machine_options(*evaluate, options->device, options->threads);
   evaluate->callback([options, json] {

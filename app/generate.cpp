@@ -26,12 +26,8 @@ struct GenerateCommand {
   int threads = 0;
 };
 
-// In the order of Precision.
-const std::vector<std::string> kPrecisions = {"f32", "bf16", "int8"};
-
 EngineOptions engine_options(const GenerateCommand& command) {
-  const auto precision = std::find(kPrecisions.begin(), kPrecisions.end(), command.precision);
-  return {static_cast<Precision>(precision - kPrecisions.begin()), command.threads,
+  return {named_precision(command.precision), command.threads,
           std::min(command.count, command.batch)};
 }
 
@@ -146,7 +142,7 @@ void add_generate(CLI::App& app) {
   generate
       ->add_option("--precision", command->precision,
                    "of the weights: f32, bf16 (half the memory), int8 (a quarter, fastest)")
-      ->check(CLI::IsMember(kPrecisions))
+      ->check(CLI::IsMember(precision_names()))
       ->capture_default_str();
   generate->add_option("--stream", command->stream,
                        "write each frame as a line of JSON as soon as it is there; - for the "

@@ -126,6 +126,26 @@ void check_by(const EvaluateOptions& options, const Dataset& dataset) {
                      known_names(options.by, names, "Labels"));
 }
 
+std::vector<BitCount> score(const EvaluateOptions& options, const StoredModel& stored,
+                            const std::string& place, const std::vector<ScoredClip>& clips) {
+  constexpr std::int64_t kAtOnce = 16;
+  Progress bar("evaluate", 0, "windows");
+  const auto done = [&](std::size_t windows, std::size_t) { bar.update(windows); };
+  std::vector<BitCount> scores;
+  if (!options.engine.empty()) {
+    Engine engine(stored, place, {named_precision(options.engine), options.threads, kAtOnce});
+    scores = score_clips(engine, clips, done);
+  } else {
+    const auto model = load_transformer(stored, place);
+    const at::Device device = choose_device(options.device);
+    model->to(device);
+    model->set_precision(choose_precision(options.precision, device));
+    scores = score_clips(*model, clips, kAtOnce, done);
+  }
+  bar.finish();
+  return scores;
+}
+
 }  // namespace
 
 std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
@@ -134,10 +154,6 @@ std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
   const StoredModel stored = load_model(options.model);
   const Tokenizer tokenizer =
       Tokenizer::of_model(stored.tokenizer, stored.description.tokenizer_fingerprint, place);
-  const auto model = load_transformer(stored, place);
-  const at::Device device = choose_device(options.device);
-  model->to(device);
-  model->set_precision(choose_precision(options.precision, device));
 
   const Dataset dataset = load_dataset(options.data);
   check_by(options, dataset);
@@ -146,11 +162,7 @@ std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
       encode(dataset, options, options.split, tokenizer, stored.description.conditions);
   const Fitted baselines = fit_baselines(options, train, test, tokenizer);
 
-  Progress bar("evaluate", 0, "windows");
-  const std::vector<BitCount> scores =
-      score_clips(*model, test.clips, 16, [&](std::size_t done, std::size_t) { bar.update(done); });
-  bar.finish();
-
+  const std::vector<BitCount> scores = score(options, stored, place, test.clips);
   std::map<std::string, Columns> groups;
   for (std::size_t i = 0; i < test.clips.size(); ++i) {
     const std::string value = value_of(test.entries[i], options.by);

@@ -17,6 +17,7 @@ struct EvaluateOptions {
   std::string by;                  // a label: one table for each of its values
   bool conditions = true;          // tell the model the clips' labels, where it knows conditions
   std::string device = "auto", precision = "auto";
+  std::string engine;  // a Precision: score by the engine that generates instead of LibTorch
   int threads = 0;
 };
 

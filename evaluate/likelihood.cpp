@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace mocaplm {
 
@@ -53,16 +54,15 @@ std::vector<std::int32_t> padded_target(const ModelDescription& model, const Sco
   return target;
 }
 
-}  // namespace
+// Nats of each target of several windows, one list a window; what stands where there is no target
+// is not looked at.
+using WindowNats = std::function<std::vector<std::vector<float>>(
+    const std::vector<ModelInput>& inputs, const std::vector<std::vector<std::int32_t>>&)>;
 
-std::vector<BitCount> score_clips(Transformer& model, const std::vector<ScoredClip>& clips,
-                                  std::int64_t windows_at_once,
-                                  const std::function<void(std::size_t, std::size_t)>& progress) {
-  const at::NoGradGuard no_grad;
-  model.eval();
-  const ModelDescription& d = model.description();
+std::vector<BitCount> score_windows(const ModelDescription& d, const std::vector<ScoredClip>& clips,
+                                    std::int64_t windows_at_once, const WindowNats& window_nats,
+                                    const WindowsDone& progress) {
   const auto per_frame = static_cast<std::size_t>(d.shape.tokens_per_frame());
-  const at::Device device = model.parameters().front().device();
   const std::vector<Piece> pieces = cut(clips, d);
   std::vector<BitCount> counts(clips.size());
   for (std::size_t c = 0; c < clips.size(); ++c) {
@@ -82,12 +82,10 @@ std::vector<BitCount> score_clips(Transformer& model, const std::vector<ScoredCl
       inputs.push_back(padded_input(d, clips[pieces[p].clip], pieces[p], length));
       targets.push_back(padded_target(d, clips[pieces[p].clip], pieces[p], length));
     }
-    const Batch batch = stack(inputs, targets).to(device);
-    const at::Tensor nats = model.loss(model.hidden(batch), batch).to(at::kCPU).contiguous();
+    const std::vector<std::vector<float>> nats = window_nats(inputs, targets);
     for (std::size_t p = i; p < end; ++p) {
       const Piece& piece = pieces[p];
-      const float* row =
-          nats.data_ptr<float>() + (p - i) * length + clips[piece.clip].prefix.size() - 1;
+      const float* row = nats[p - i].data() + clips[piece.clip].prefix.size() - 1;
       for (std::size_t t = (piece.scored - piece.first) * per_frame;
            t < (piece.last - piece.first) * per_frame; ++t)
         counts[piece.clip].bits[t % per_frame] += row[t] / std::log(2.0);
@@ -95,6 +93,54 @@ std::vector<BitCount> score_clips(Transformer& model, const std::vector<ScoredCl
     if (progress) progress(end, pieces.size());
   }
   return counts;
+}
+
+float nats_of(const std::vector<float>& logits, std::int32_t id) {
+  const float top = *std::max_element(logits.begin(), logits.end());
+  double sum = 0;
+  for (const float logit : logits) sum += std::exp(static_cast<double>(logit) - top);
+  return static_cast<float>(std::log(sum) + top - logits[static_cast<std::size_t>(id)]);
+}
+
+}  // namespace
+
+std::vector<BitCount> score_clips(Transformer& model, const std::vector<ScoredClip>& clips,
+                                  std::int64_t windows_at_once, const WindowsDone& progress) {
+  const at::NoGradGuard no_grad;
+  model.eval();
+  const at::Device device = model.parameters().front().device();
+  const auto window_nats = [&](const auto& inputs, const auto& targets) {
+    const Batch batch = stack(inputs, targets).to(device);
+    const at::Tensor nats = model.loss(model.hidden(batch), batch).to(at::kCPU).contiguous();
+    std::vector<std::vector<float>> rows;
+    for (std::int64_t w = 0; w < nats.size(0); ++w) {
+      const float* row = nats.data_ptr<float>() + w * nats.size(1);
+      rows.emplace_back(row, row + nats.size(1));
+    }
+    return rows;
+  };
+  return score_windows(model.description(), clips, windows_at_once, window_nats, progress);
+}
+
+std::vector<BitCount> score_clips(Engine& engine, const std::vector<ScoredClip>& clips,
+                                  const WindowsDone& progress) {
+  const auto window_nats = [&](const std::vector<ModelInput>& inputs, const auto& targets) {
+    std::vector<std::vector<float>> rows(inputs.size(),
+                                         std::vector<float>(inputs.front().size(), 0.f));
+    for (std::size_t w = 0; w < inputs.size(); ++w) engine.reset(static_cast<std::int64_t>(w));
+    for (std::size_t t = 0; t < inputs.front().size(); ++t) {
+      std::vector<ModelInput> positions;
+      std::vector<Engine::Feed> feeds;
+      for (const ModelInput& input : inputs) positions.push_back(slice(input, t, t + 1));
+      for (std::size_t w = 0; w < inputs.size(); ++w)
+        feeds.push_back({static_cast<std::int64_t>(w), &positions[w]});
+      const auto& logits = engine.feed(feeds);
+      for (std::size_t w = 0; w < inputs.size(); ++w)
+        if (targets[w][t] >= 0) rows[w][t] = nats_of(logits[w], targets[w][t]);
+    }
+    return rows;
+  };
+  return score_windows(engine.description(), clips, engine.sequences(), window_nats, progress);
 }
 
 }  // namespace mocaplm

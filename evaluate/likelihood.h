@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "evaluate/baselines.h"
+#include "generate/engine.h"
 #include "model/transformer/transformer.h"
 #include "motion/clip.h"
 
@@ -16,11 +17,17 @@ struct ScoredClip {
   std::vector<std::int32_t> prefix;  // start and condition tokens
 };
 
+using WindowsDone = std::function<void(std::size_t, std::size_t)>;
+
 // Bits of every frame of every clip, channels + 1 columns (the separator last). Each frame is
 // scored once, in a window that shows at least half of the context before it (less only at a clip's
 // beginning). `progress` gets the number of windows done and their total.
-std::vector<BitCount> score_clips(
-    Transformer& model, const std::vector<ScoredClip>& clips, std::int64_t windows_at_once,
-    const std::function<void(std::size_t, std::size_t)>& progress = nullptr);
+std::vector<BitCount> score_clips(Transformer& model, const std::vector<ScoredClip>& clips,
+                                  std::int64_t windows_at_once,
+                                  const WindowsDone& progress = nullptr);
+// The same token by token through the engine that generates, as many windows at once as it has
+// sequences: what its precision costs.
+std::vector<BitCount> score_clips(Engine& engine, const std::vector<ScoredClip>& clips,
+                                  const WindowsDone& progress = nullptr);
 
 }  // namespace mocaplm

@@ -79,6 +79,16 @@ void append_stream(ModelInput& input, const ModelDescription& model,
   append_next(input, model, ids, index + 1);
 }
 
+ModelInput slice(const ModelInput& input, std::size_t begin, std::size_t end) {
+  ModelInput out;
+  for (auto list :
+       {&ModelInput::token, &ModelInput::frame, &ModelInput::channel, &ModelInput::centre,
+        &ModelInput::surprise, &ModelInput::velocity, &ModelInput::last_surprise})
+    (out.*list).assign((input.*list).begin() + static_cast<std::ptrdiff_t>(begin),
+                       (input.*list).begin() + static_cast<std::ptrdiff_t>(end));
+  return out;
+}
+
 ModelInput window_input(const ModelDescription& model, const std::vector<std::int32_t>& prefix,
                         const std::vector<std::int32_t>& ids, std::size_t first,
                         std::size_t count) {

@@ -29,6 +29,9 @@ struct ModelInput {
   std::size_t size() const { return token.size(); }
 };
 
+// Positions [begin, end).
+ModelInput slice(const ModelInput& input, std::size_t begin, std::size_t end);
+
 // Reads the past of each channel out of a stream of whole frames (the last may be unfinished).
 class StreamHistory {
  public:

@@ -1,6 +1,7 @@
 #include "generate/kernels/level.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace mocaplm {
 
@@ -47,15 +48,20 @@ std::string to_string(KernelLevel level) {
   }
 }
 
+const std::vector<std::string>& precision_names() {
+  static const std::vector<std::string> names = {"f32", "bf16", "int8"};
+  return names;
+}
+
 std::string to_string(Precision precision) {
-  switch (precision) {
-    case Precision::int8:
-      return "int8";
-    case Precision::bf16:
-      return "bf16";
-    default:
-      return "f32";
-  }
+  return precision_names()[static_cast<std::size_t>(precision)];
+}
+
+Precision named_precision(const std::string& name) {
+  const auto& names = precision_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  assert(found != names.end());
+  return static_cast<Precision>(found - names.begin());
 }
 
 }  // namespace mocaplm

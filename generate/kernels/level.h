@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace mocaplm {
 
@@ -21,5 +22,8 @@ std::string to_string(KernelLevel level);
 enum class Precision { f32, bf16, int8 };
 
 std::string to_string(Precision precision);
+// In the order of Precision; the precision of one of these names.
+const std::vector<std::string>& precision_names();
+Precision named_precision(const std::string& name);
 
 }  // namespace mocaplm

@@ -78,6 +78,24 @@ TEST(ScoreClips, EqualsOneFrameAtATime) {
   }
 }
 
+TEST(ScoreClips, TheEngineGivesTheSameBits) {
+  for (const ModelDescription& d : all_variants()) {
+    const auto model = small_transformer(d);
+    StoredModel stored;
+    stored.description = d;
+    stored.tensors = random_weights(d, 11);
+    const std::vector<ScoredClip> clips = some_clips(d);
+    const std::vector<BitCount> expected = score_clips(*model, clips, 4);
+    Engine engine(stored, "made up", {Precision::f32, 2, 3});
+    const std::vector<BitCount> counts = score_clips(engine, clips);
+    ASSERT_EQ(counts.size(), clips.size());
+    for (std::size_t i = 0; i < clips.size(); ++i)
+      for (std::size_t c = 0; c < kPerFrame; ++c)
+        EXPECT_NEAR(counts[i].bits[c], expected[i].bits[c], 1e-3 + 1e-4 * expected[i].bits[c])
+            << variant_name(d) << ", clip " << i << ", channel " << c;
+  }
+}
+
 TEST(ScoreClips, BatchingAndPaddingChangeNothing) {
   const ModelDescription d = small_description();
   const auto model = small_transformer(d);

@@ -29,16 +29,6 @@ ModelInput some_window(const ModelDescription& d, std::uint64_t seed) {
   return window_input(d, {2, 1}, ids, 8, static_cast<std::size_t>(d.config.block_size) - 2);
 }
 
-ModelInput part(const ModelInput& input, std::size_t begin, std::size_t end) {
-  ModelInput out;
-  for (auto list :
-       {&ModelInput::token, &ModelInput::frame, &ModelInput::channel, &ModelInput::centre,
-        &ModelInput::surprise, &ModelInput::velocity, &ModelInput::last_surprise})
-    (out.*list).assign((input.*list).begin() + static_cast<std::ptrdiff_t>(begin),
-                       (input.*list).begin() + static_cast<std::ptrdiff_t>(end));
-  return out;
-}
-
 StoredModel stored_model(const ModelDescription& d, std::uint64_t seed) {
   StoredModel stored;
   stored.description = d;
@@ -78,9 +68,9 @@ void expect_pieces(Engine& engine, const ModelInput& input,
   for (std::size_t i = 0; i < pieces.size() && at < input.size(); ++i) {
     const std::size_t end = std::min(at + pieces[i], input.size());
     if (i % 3 == 2) {
-      engine.feed_silently(part(input, at, end));
+      engine.feed_silently(slice(input, at, end));
     } else {
-      expect_row(engine.feed(part(input, at, end)), expected[end - 1],
+      expect_row(engine.feed(slice(input, at, end)), expected[end - 1],
                  "position " + std::to_string(end - 1));
     }
     at = end;
@@ -115,7 +105,7 @@ double relative_error(Engine& engine, const ModelInput& input,
   engine.reset();
   double error = 0, spread = 0;
   for (std::size_t t = 0; t < input.size(); ++t) {
-    const std::vector<float>& got = engine.feed(part(input, t, t + 1));
+    const std::vector<float>& got = engine.feed(slice(input, t, t + 1));
     for (std::size_t i = 0; i < got.size(); ++i) {
       error += std::pow(static_cast<double>(got[i]) - expected[t][i], 2);
       spread += std::pow(static_cast<double>(expected[t][i]), 2);
@@ -150,7 +140,7 @@ TEST_P(EveryEngine, SequencesDoNotSeeEachOther) {
     for (std::size_t s = 0; s < 3; ++s) {
       alone.reset();
       for (std::size_t t = 0; t < inputs[s].size(); ++t)
-        expected[s].push_back(alone.feed(part(inputs[s], t, t + 1)));
+        expected[s].push_back(alone.feed(slice(inputs[s], t, t + 1)));
     }
     std::vector<std::size_t> at(3, 0);
     Random random(9);
@@ -160,7 +150,7 @@ TEST_P(EveryEngine, SequencesDoNotSeeEachOther) {
       for (const std::size_t s : {2, 0, 1}) {
         const std::size_t end = std::min(at[s] + 1 + random.below(5), inputs[s].size());
         if (random.below(4) == 0 || end == at[s]) continue;
-        pieces[s] = part(inputs[s], at[s], end);
+        pieces[s] = slice(inputs[s], at[s], end);
         at[s] = end;
         feeds.push_back({static_cast<std::int64_t>(s), &pieces[s]});
       }
