@@ -26,36 +26,44 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+// Sums `count` words as `streams` sequences side by side: which number of streams the memory likes
+// differs from machine to machine.
 #if defined(__x86_64__)
 __attribute__((target_clones("default", "avx2", "avx512f")))
 #endif
 std::uint64_t
-read_words(const std::uint64_t* words, std::int64_t count) {
+read_words(const std::uint64_t* words, std::int64_t count, std::int64_t streams) {
   std::uint64_t sums[64] = {};
-  for (std::int64_t i = 0; i + 64 <= count; i += 64)
-    for (std::int64_t j = 0; j < 64; ++j) sums[j] += words[i + j];
+  const std::int64_t share = count / streams / 64 * 64;
+  for (std::int64_t i = 0; i < share; i += 64)
+    for (std::int64_t s = 0; s < streams; ++s)
+      for (std::int64_t j = 0; j < 64; ++j) sums[j] += words[s * share + i + j];
   std::uint64_t all = 0;
   for (const std::uint64_t sum : sums) all += sum;
   return all;
 }
 
-// Seconds that the team takes to read `bytes` of memory, over and over: the median.
+// Seconds that the team takes to read `bytes` of memory, over and over: the median of the best way.
 double reading_seconds(std::int64_t bytes, Team& team) {
   Arena arena;
   const std::int64_t words = bytes / 8;
   const auto* memory = reinterpret_cast<const std::uint64_t*>(arena.words(bytes / 4 + 2));
-  std::vector<double> times;
   std::atomic<std::uint64_t> unused{0};
-  for (int i = 0; i < 40; ++i) {
-    const auto start = Clock::now();
-    team.run([&](int thread) {
-      const std::int64_t first = words * thread / team.size(),
-                         last = words * (thread + 1) / team.size();
-      unused += read_words(memory + first, last - first);
-    });
-    times.push_back(seconds_since(start));
+  double best = 1e9;
+  for (const std::int64_t streams : {1, 2, 4}) {
+    std::vector<double> times;
+    for (int i = 0; i < 40; ++i) {
+      const auto start = Clock::now();
+      team.run([&](int thread) {
+        const std::int64_t first = words * thread / team.size(),
+                           last = words * (thread + 1) / team.size();
+        unused += read_words(memory + first, last - first, streams);
+      });
+      times.push_back(seconds_since(start));
+    }
+    best = std::min(best, median(times));
   }
-  return median(times);
+  return best;
 }
 
 struct Case {

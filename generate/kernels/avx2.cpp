@@ -44,8 +44,8 @@ void product_int8_avx2(const void* prepared, std::int64_t rows, std::int64_t dep
 
 }  // namespace
 
-const Kernels kAvx2Kernels = {
-    product_f32, prepare_bf16, product_bf16, prepare_int8, product_int8_avx2, attend_f32,
-    attend_bf16, layer_norm,   store,        store_gelu,   store_sum};
+const Kernels kAvx2Kernels = {product_f32,       prepare_bf16, product_bf16, prepare_int8,
+                              product_int8_avx2, attend_f32,   attend_bf16,  nullptr,
+                              layer_norm,        store,        store_gelu,   store_sum};
 
 }  // namespace mocaplm

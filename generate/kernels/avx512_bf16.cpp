@@ -1,5 +1,5 @@
 // The kernels for AVX-512 with VNNI and BF16, whose dot products take pairs of bf16.
-#include "generate/kernels/vnni.h"
+#include "generate/kernels/attend_vnni.h"
 
 namespace mocaplm {
 namespace {
@@ -138,7 +138,7 @@ void attend_pairs(const float* query, const std::uint32_t* keys, const std::uint
 }  // namespace
 
 const Kernels kAvx512Bf16Kernels = {product_f32,  prepare_pairs, product_pairs, prepare_vnni,
-                                    product_vnni, attend_f32,    attend_pairs,  layer_norm,
-                                    store,        store_gelu,    store_sum};
+                                    product_vnni, attend_f32,    attend_pairs,  attend_vnni,
+                                    layer_norm,   store,         store_gelu,    store_sum};
 
 }  // namespace mocaplm

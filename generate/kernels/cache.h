@@ -8,9 +8,13 @@
 
 namespace mocaplm {
 
-// For each (sequence, head), with W values a head and words of one f32 or two bf16:
-//   keys    [position / 16][W, or pairs of W][position % 16]
-//   values  [position, or pair of positions][W rounded up to 16]
+// For each (sequence, head), with W values a head and words of one f32, two bf16 or four 8-bit
+// numbers:
+//   keys    [position / 16][W, or pairs or quadruples of W][position % 16]
+//   values  [position, or pair or quadruple of positions][W rounded up to 16]
+// and, for 8-bit numbers, three numbers a position: the scales of its key and of its value, and 128
+// times the sum of the key's bytes. int8 has 8-bit numbers where there is a kernel for them (VNNI),
+// else bf16.
 class KeyValueCache {
  public:
   KeyValueCache() = default;
@@ -26,17 +30,23 @@ class KeyValueCache {
   // `scratch`: scratch_size() floats.
   void attend(std::int64_t sequence, std::int64_t head, std::int64_t count, const float* query,
               float* scratch, float* out) const;
-  std::int64_t scratch_size() const { return padded_capacity_ + width_; }
+  std::int64_t scratch_size() const { return 2 * padded_capacity_ + 3 * padded_width_; }
 
   std::int64_t bytes(std::int64_t count) const;  // that attending to `count` positions reads
 
  private:
   std::uint32_t* keys(std::int64_t sequence, std::int64_t head) const;
   std::uint32_t* values(std::int64_t sequence, std::int64_t head) const;
+  float* key_scales(std::int64_t sequence, std::int64_t head) const;
+  ByteHead byte_head(std::int64_t sequence, std::int64_t head) const;
+  void store_bytes(std::int64_t sequence, std::int64_t head, std::int64_t position,
+                   const float* key, const float* value);
 
-  bool halves_ = false;  // bf16
+  std::int64_t packed_ = 1;  // values a word
   std::int64_t heads_ = 0, width_ = 0, padded_width_ = 0, padded_capacity_ = 0;
+  std::int64_t depth_ = 0;                        // words of a key
   std::int64_t key_words_ = 0, value_words_ = 0;  // of one head
+  std::int64_t head_words_ = 0;                   // with the numbers of each position
   std::uint32_t* words_ = nullptr;
 };
 

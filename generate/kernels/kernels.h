@@ -14,6 +14,13 @@ constexpr std::int64_t kPanel = 64;    // outputs of a packed panel
 constexpr std::int64_t kLanes = 16;    // positions of a block of keys, and the padding of values
 constexpr std::int64_t kMaxRows = 64;  // rows (positions) computed together
 
+// Keys and values of one head in 8 bits (cache.h): value = byte * scale of its position.
+struct ByteHead {
+  const std::uint32_t *keys, *values;
+  const float *key_scale, *value_scale;
+  const std::int32_t* key_offset;  // 128 times the sum of each key's bytes
+};
+
 struct Kernels {
   // tile (rows, kPanel) = x (rows, depth) times one panel (depth, kPanel).
   void (*product_f32)(const float* x, std::int64_t rows, std::int64_t depth, const float* panel,
@@ -42,6 +49,11 @@ struct Kernels {
                      std::int64_t count, std::int64_t width, float* scores, float* out);
   void (*attend_bf16)(const float* query, const std::uint32_t* keys, const std::uint32_t* values,
                       std::int64_t count, std::int64_t width, float* scores, float* out);
+
+  // The same over 8-bit numbers; null where the processor does not make that fast. `scores` is
+  // scratch of twice as many floats, and of `width` more.
+  void (*attend_int8)(const float* query, const ByteHead& head, std::int64_t count,
+                      std::int64_t width, float* scores, float* out);
 
   // y (rows, width): each row of x brought to mean 0 and variance 1 (epsilon 1e-5), then scaled and
   // shifted.

@@ -1,0 +1,106 @@
+// Attention over a cache of 8-bit numbers by VNNI, for the two files that are compiled with it.
+#pragma once
+
+#include "generate/kernels/vnni.h"
+
+namespace mocaplm {
+namespace {
+
+// Scores of `Blocks` blocks of 16 positions: the query is x + 128 (unsigned), whose share is the
+// head's key_offset.
+template <int Blocks>
+inline void score_bytes(const std::uint8_t* query, float query_scale, const ByteHead& head,
+                        std::int64_t block, std::int64_t words, float* scores) {
+  __m512i sum[Blocks];
+  for (int b = 0; b < Blocks; ++b) sum[b] = _mm512_setzero_si512();
+  const std::uint32_t* keys = head.keys + block * words * kLanes;
+  for (std::int64_t d = 0; d < words; ++d) {
+    std::int32_t four;
+    std::memcpy(&four, query + 4 * d, sizeof four);
+    const __m512i left = _mm512_set1_epi32(four);
+    for (int b = 0; b < Blocks; ++b)
+      sum[b] =
+          _mm512_dpbusd_epi32(sum[b], left, _mm512_loadu_si512(keys + (b * words + d) * kLanes));
+  }
+  for (int b = 0; b < Blocks; ++b) {
+    const std::int64_t at = (block + b) * kLanes;
+    const __m512i exact = _mm512_sub_epi32(sum[b], _mm512_loadu_si512(head.key_offset + at));
+    const __m512 scale =
+        _mm512_mul_ps(_mm512_loadu_ps(head.key_scale + at), _mm512_set1_ps(query_scale));
+    _mm512_storeu_ps(scores + at, _mm512_mul_ps(_mm512_cvtepi32_ps(exact), scale));
+  }
+}
+
+// Adds what one block of 16 positions gives to 16 * Vectors columns. The weights of a block are
+// brought to 0 .. 255 together.
+template <int Vectors>
+inline void add_block(const std::uint8_t* weights, float scale, const std::uint32_t* values,
+                      std::int64_t padded, __m512* sums) {
+  __m512i sum[Vectors];
+  for (int v = 0; v < Vectors; ++v) sum[v] = _mm512_setzero_si512();
+  for (int quad = 0; quad < 4; ++quad) {
+    std::int32_t four;
+    std::memcpy(&four, weights + 4 * quad, sizeof four);
+    const __m512i left = _mm512_set1_epi32(four);
+    for (int v = 0; v < Vectors; ++v)
+      sum[v] =
+          _mm512_dpbusd_epi32(sum[v], left, _mm512_loadu_si512(values + quad * padded + v * 16));
+  }
+  for (int v = 0; v < Vectors; ++v)
+    sums[v] = _mm512_fmadd_ps(_mm512_cvtepi32_ps(sum[v]), _mm512_set1_ps(scale), sums[v]);
+}
+
+template <int Vectors>
+inline void sum_bytes(const std::uint8_t* weights, const float* block_scale,
+                      const std::uint32_t* values, std::int64_t blocks, std::int64_t padded,
+                      float scale, float* out) {
+  __m512 sums[Vectors];
+  for (int v = 0; v < Vectors; ++v) sums[v] = _mm512_setzero_ps();
+  for (std::int64_t b = 0; b < blocks; ++b)
+    add_block<Vectors>(weights + b * kLanes, block_scale[b], values + b * 4 * padded, padded, sums);
+  for (int v = 0; v < Vectors; ++v)
+    _mm512_storeu_ps(out + v * 16, _mm512_mul_ps(sums[v], _mm512_set1_ps(scale)));
+}
+
+// Weights times the values' scales as bytes, 16 a block, over the scores that they come from; a
+// scale a block.
+inline void weigh(float* scores, const float* value_scale, std::int64_t blocks,
+                  float* block_scale) {
+  auto* bytes = reinterpret_cast<std::uint8_t*>(scores);
+  for (std::int64_t b = 0; b < blocks; ++b) {
+    const __m512 weight = _mm512_mul_ps(_mm512_loadu_ps(scores + b * kLanes),
+                                        _mm512_loadu_ps(value_scale + b * kLanes));
+    const float top = _mm512_reduce_max_ps(weight);
+    block_scale[b] = top / 255;
+    const __m512 scaled = _mm512_mul_ps(weight, _mm512_set1_ps(top > 0 ? 255 / top : 0));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(bytes + b * kLanes),
+                     _mm512_cvtusepi32_epi8(_mm512_cvtps_epi32(scaled)));
+  }
+}
+
+void attend_vnni(const float* query, const ByteHead& head, std::int64_t count, std::int64_t width,
+                 float* scores, float* out) {
+  const std::int64_t words = (width + 3) / 4, blocks = (count + kLanes - 1) / kLanes;
+  float* block_scale = scores + blocks * kLanes;  // the second half of the scratch
+  auto* bytes = reinterpret_cast<std::uint8_t*>(block_scale);
+  float query_scale;
+  prepare_vnni(query, 1, width, words, bytes, &query_scale);
+  std::int64_t b = 0;
+  for (; b + 8 <= blocks; b += 8) score_bytes<8>(bytes, query_scale, head, b, words, scores);
+  for (; b < blocks; ++b) score_bytes<1>(bytes, query_scale, head, b, words, scores);
+  const float scale = softmax(scores, count);
+  weigh(scores, head.value_scale, blocks, block_scale);
+  const auto* weights = reinterpret_cast<const std::uint8_t*>(scores);
+  const std::int64_t padded = (width + kLanes - 1) / kLanes * kLanes;
+  for (std::int64_t c = 0; c < padded;) {
+    alignas(64) float sums[64];
+    const std::int64_t vectors = padded - c >= 64 ? 4 : padded - c >= 32 ? 2 : 1;
+    const auto sum = vectors == 4 ? sum_bytes<4> : vectors == 2 ? sum_bytes<2> : sum_bytes<1>;
+    sum(weights, block_scale, head.values + c, blocks, padded, scale, sums);
+    for (std::int64_t j = 0; j < vectors * 16 && c + j < width; ++j) out[c + j] = sums[j];
+    c += vectors * 16;
+  }
+}
+
+}  // namespace
+}  // namespace mocaplm
