@@ -13,13 +13,17 @@ int main(int argc, char** argv) {
   std::string out;
   std::vector<std::string> files, given;
   app.add_option("--out", out, "folder for results.json and table.md")->required();
-  app.add_option("--version", given, "NAME=VERSION of what was measured")->take_all();
+  app.add_option("--version", given, "NAME=VERSION of what was measured")->allow_extra_args(false);
   app.add_option("FILE", files, "what the benchmarks wrote with --json")->required();
   CLI11_PARSE(app, argc, argv);
   try {
     Json versions{{"Compiler", __VERSION__}, {"LibTorch", MOCAPLM_TORCH_VERSION}};
-    for (const std::string& version : given)
-      versions[version.substr(0, version.find('='))] = version.substr(version.find('=') + 1);
+    for (const std::string& version : given) {
+      const std::size_t equals = version.find('=');
+      if (equals == std::string::npos)
+        throw UsageError("--version " + version + ", expected NAME=VERSION");
+      versions[version.substr(0, equals)] = version.substr(equals + 1);
+    }
     std::vector<bench::BenchRun> runs;
     for (const std::string& file : files) {
       try {
