@@ -72,5 +72,3 @@ void sizes(benchmark::internal::Benchmark* one) {
 
 BENCHMARK(forward)->Apply(sizes);
 BENCHMARK(both)->Apply(sizes);
-
-BENCHMARK_MAIN();

@@ -104,14 +104,15 @@ void write_file(const fs::path& path, std::string_view bytes) {
   });
 }
 
-void write_file_with(const fs::path& path, const std::function<void(const fs::path&)>& fill) {
+void write_file_with(const fs::path& path, const std::function<void(const fs::path&)>& fill,
+                     Flush flush) {
   make_parent(path);
   if (fs::is_directory(path))
     throw DataError(in_file(path.string()), "is a folder, cannot write a file there");
   const fs::path temporary = beside(path, "new");
   try {
     fill(temporary);
-    flush_to_disk(temporary);
+    if (flush == Flush::now) flush_to_disk(temporary);
     std::error_code error;
     fs::rename(temporary, path, error);
     if (error) throw DataError(in_file(path.string()), "cannot be written: " + error.message());
@@ -120,6 +121,13 @@ void write_file_with(const fs::path& path, const std::function<void(const fs::pa
     fs::remove(temporary, ignored);
     throw;
   }
+}
+
+void flush_files_under(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY);
+  if (descriptor < 0) return;
+  ::syncfs(descriptor);
+  ::close(descriptor);
 }
 
 void check_writable(const fs::path& path) {

@@ -19,13 +19,22 @@ std::string read_file(const std::filesystem::path& path, std::uintmax_t max_byte
 // The first bytes, at most `count`, of a file of any size: enough to tell one format from another.
 std::string read_head(const std::filesystem::path& path, std::uintmax_t count);
 
+// When what was written is safe from a loss of power: `now`, before the file takes its name, or
+// `later`, for files of a folder that is flushed as a whole with flush_files_under.
+enum class Flush { now, later };
+
 // Writes beside `path` and renames over it, so a reader sees the old file or the new one, never
 // half of one. Creates the parent directory. Throws DataError when the disk refuses.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 // The same for a writer that needs a path of its own (libzip): `fill` writes the temporary file.
 void write_file_with(const std::filesystem::path& path,
-                     const std::function<void(const std::filesystem::path&)>& fill);
+                     const std::function<void(const std::filesystem::path&)>& fill,
+                     Flush flush = Flush::now);
+
+// Brings all that was written to the folder's file system to the disk: one wait in place of one for
+// each file.
+void flush_files_under(const std::filesystem::path& folder);
 
 // Throws DataError when write_file would fail now, so that a command can say so before hours of
 // work. Creates the parent directory; an empty path means no file and passes.

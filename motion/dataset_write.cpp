@@ -51,6 +51,7 @@ void write_dataset(const fs::path& out, Existing existing,
     fs::create_directories(directory / "clips");
     Dataset dataset = fill(directory);
     dataset.directory = directory;
+    flush_files_under(directory);
     save_dataset(dataset);
   });
 }
@@ -60,7 +61,7 @@ std::string clip_file(const std::string& name) {
 }
 
 void store_clip(const fs::path& directory, const DatasetEntry& entry, const Clip& clip) {
-  write_npz(directory / entry.file, clip);
+  write_npz(directory / entry.file, clip, Flush::later);
 }
 
 bool holds_only_a_dataset(const fs::path& directory) {

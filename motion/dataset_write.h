@@ -21,7 +21,8 @@ void write_dataset(const std::filesystem::path& out, Existing existing,
 
 // The file of a clip relative to the dataset's directory: "clips/NAME.npz".
 std::string clip_file(const std::string& name);
-// Stores a clip as its entry's file below `directory`.
+// Stores a clip as its entry's file below `directory`; write_dataset brings it to the disk with all
+// others.
 void store_clip(const std::filesystem::path& directory, const DatasetEntry& entry,
                 const Clip& clip);
 

@@ -11,7 +11,6 @@
 #include "common/error.h"
 #include "common/parallel.h"
 #include "common/progress.h"
-#include "common/random.h"
 #include "common/settings.h"
 #include "common/text.h"
 #include "motion/formats/formats.h"
@@ -33,12 +32,20 @@ struct Item {
   bool sound = false;
 };
 
+// Of all numbers' bits. Never stored: it only has to tell the clips of one import apart.
 std::uint64_t content_hash(const Clip& clip) {
-  const auto bytes = [](const auto& matrix) {
-    return std::string(reinterpret_cast<const char*>(matrix.data()),
-                       static_cast<std::size_t>(matrix.size()) * sizeof(double));
+  std::uint64_t hash = 0xcbf29ce484222325;
+  const auto add = [&](const auto& matrix) {
+    for (Eigen::Index i = 0; i < matrix.size(); ++i) {
+      std::uint64_t bits;
+      std::memcpy(&bits, matrix.data() + i, sizeof bits);
+      hash = (hash ^ bits) * 0x9e3779b97f4a7c15;
+      hash ^= hash >> 32;
+    }
   };
-  return stable_hash(bytes(clip.poses), stable_hash(bytes(clip.trans)));
+  add(clip.poses);
+  add(clip.trans);
+  return hash;
 }
 
 // Moves the clip so that the height under which its lower foot hardly ever comes (one frame in
@@ -69,7 +76,7 @@ Clip read_source(const ImportConfig& config, const SourceFile& source, const Fil
     throw DataError(in_file(source.path.string()),
                     "has " + std::to_string(clip.frames()) + " frames, and the first " +
                         std::to_string(facts.drop_first) + " are to be left out");
-  clip = slice(clip, facts.drop_first, clip.frames() - facts.drop_first);
+  if (facts.drop_first > 0) clip = slice(clip, facts.drop_first, clip.frames() - facts.drop_first);
   if (config.align_floor) align_floor(clip);
   clip.name = source.name;
   clip.labels = facts.labels;

@@ -23,20 +23,45 @@ constexpr double kMaxFrames = 2e6;
 
 using FrameQuaternions = std::array<Eigen::Quaterniond, kJoints>;
 
-void read_frame(const Clip& clip, Eigen::Index frame, FrameQuaternions& out) {
-  for (int j = 0; j < kJoints; ++j)
+const std::vector<int>& all_joints() {
+  static const std::vector<int> joints = parse_joints({"all"});
+  return joints;
+}
+
+void read_frame(const Clip& clip, Eigen::Index frame, const std::vector<int>& joints,
+                FrameQuaternions& out) {
+  for (const int j : joints)
     out[static_cast<std::size_t>(j)] =
         quaternion_from_axis_angle(clip.poses.row(frame).segment<3>(3 * j).transpose());
 }
 
-// Slerp along the shorter arc. The half-angle from |a - b| and |a + b| is precise at both ends,
-// where the arc cosine of the dot product is not.
+// The square of the angle between two unit vectors whose tips are d = |a - b| apart, of d^2 <=
+// 1/64: 4 asin(d / 2)^2 by its series, to the last bit.
+double squared_angle(double d2) {
+  return d2 * (1 + d2 * (1.0 / 12 +
+                         d2 * (1.0 / 90 +
+                               d2 * (1.0 / 560 + d2 * (1.0 / 3150 +
+                                                       d2 * (1.0 / 16632 + d2 * (1.0 / 84084)))))));
+}
+
+// sin(x) / x of z = x^2 <= 1/64, to the last bit.
+double small_sinc(double z) {
+  return 1 + z * (-1.0 / 6 + z * (1.0 / 120 + z * (-1.0 / 5040 + z * (1.0 / 362880))));
+}
+
+// Slerp along the shorter arc: weights sin((1 - t) theta) / sin(theta) and sin(t theta) /
+// sin(theta). The angle comes from |a - b| and |a + b|, which are precise at both ends, where the
+// arc cosine of the dot product is not.
 Eigen::Quaterniond between(const Eigen::Quaterniond& a, Eigen::Quaterniond b, double t) {
   if (a.dot(b) < 0) b.coeffs() = -b.coeffs();
-  const double theta =
-      2 * std::atan2((a.coeffs() - b.coeffs()).norm(), (a.coeffs() + b.coeffs()).norm());
-  double from = 1 - t, to = t;
-  if (theta > 1e-6) {
+  const double apart = (a.coeffs() - b.coeffs()).squaredNorm();
+  double from, to;
+  if (apart <= 1.0 / 64) {  // nearly always: neighbouring frames within 14 degrees
+    const double z = squared_angle(apart), scale = 1 / small_sinc(z);
+    from = (1 - t) * small_sinc((1 - t) * (1 - t) * z) * scale;
+    to = t * small_sinc(t * t * z) * scale;
+  } else {
+    const double theta = 2 * std::atan2(std::sqrt(apart), (a.coeffs() + b.coeffs()).norm());
     const double sine = std::sin(theta);
     from = std::sin((1 - t) * theta) / sine;
     to = std::sin(t * theta) / sine;
@@ -73,14 +98,14 @@ Clip take_every(const Clip& clip, Eigen::Index step, double fps) {
 // Source frames `first` and `first + 1` as quaternions, each converted once while walking forward.
 class Window {
  public:
-  explicit Window(const Clip& clip) : clip_(clip) {}
+  Window(const Clip& clip, const std::vector<int>& joints) : clip_(clip), joints_(joints) {}
   void move_to(Eigen::Index first) {
     if (first == first_) return;
     if (first == first_ + 1)
       std::swap(left_, right_);
     else
-      read_frame(clip_, first, left_);
-    read_frame(clip_, first + 1, right_);
+      read_frame(clip_, first, joints_, left_);
+    read_frame(clip_, first + 1, joints_, right_);
     first_ = first;
   }
   const Eigen::Quaterniond& left(int joint) const { return left_[static_cast<std::size_t>(joint)]; }
@@ -90,6 +115,7 @@ class Window {
 
  private:
   const Clip& clip_;
+  const std::vector<int>& joints_;
   Eigen::Index first_ = -2;
   FrameQuaternions left_, right_;
 };
@@ -97,6 +123,10 @@ class Window {
 }  // namespace
 
 Clip resample(const Clip& clip, double fps) {
+  return resample(clip, fps, all_joints());
+}
+
+Clip resample(const Clip& clip, double fps, const std::vector<int>& joints) {
   if (!(fps > 0 && fps <= 10000))
     throw UsageError("cannot resample to " + format_number(fps) +
                      " frames per second; expected more than 0, at most 10000");
@@ -112,21 +142,23 @@ Clip resample(const Clip& clip, double fps) {
   out.fps = fps;
   const Eigen::Index count = frames_at(clip, fps);
   out.poses.resize(count, 72);
+  if (joints.size() < kJoints) out.poses.setZero();
   out.trans.resize(count, 3);
-  Window window(clip);
+  Window window(clip, joints);
   for (Eigen::Index i = 0; i < count; ++i) {
     const double position = static_cast<double>(i) * ratio;
     const auto nearest =
         std::min(static_cast<Eigen::Index>(std::llround(position)), clip.frames() - 1);
     if (clip.frames() == 1 || std::abs(position - static_cast<double>(nearest)) < kSameFrame) {
-      out.poses.row(i) = clip.poses.row(nearest);
+      for (const int j : joints)
+        out.poses.row(i).segment<3>(3 * j) = clip.poses.row(nearest).segment<3>(3 * j);
       out.trans.row(i) = clip.trans.row(nearest);
       continue;
     }
     const auto first = std::min(static_cast<Eigen::Index>(position), clip.frames() - 2);
     const double t = position - static_cast<double>(first);
     window.move_to(first);
-    for (int j = 0; j < kJoints; ++j)
+    for (const int j : joints)
       out.poses.row(i).segment<3>(3 * j) =
           axis_angle_from_quaternion(between(window.left(j), window.right(j), t)).transpose();
     out.trans.row(i) = (1 - t) * clip.trans.row(first) + t * clip.trans.row(first + 1);
@@ -136,21 +168,16 @@ Clip resample(const Clip& clip, double fps) {
 }
 
 void keep_continuous(Clip& clip, double limit) {
-  for (int j = 0; j < kJoints; ++j) {
-    Eigen::Vector3d previous;
-    for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+    const double* before = clip.poses.row(std::max<Eigen::Index>(t - 1, 0)).data();
+    for (int j = 0; j < kJoints; ++j) {
       auto cell = clip.poses.row(t).segment<3>(3 * j);
-      Eigen::Vector3d v = cell.transpose();
-      if (t == 0) previous = v;
+      const Eigen::Vector3d v = cell.transpose(), previous(before + 3 * j);
       // The other vectors of this rotation are a multiple of 2 pi away from v, so within pi of the
       // previous frame v is the nearest one.
       const bool follows =
           v.cwiseAbs().maxCoeff() <= limit && (v - previous).squaredNorm() <= kPi * kPi;
-      if (!follows) {
-        v = continuous_axis_angle(v, previous, limit);
-        cell = v.transpose();
-      }
-      previous = v;
+      if (!follows) cell = continuous_axis_angle(v, previous, limit).transpose();
     }
   }
 }

@@ -1,6 +1,8 @@
 // Another frame rate for a clip, and rotation vectors that do not jump in time.
 #pragma once
 
+#include <vector>
+
 #include "motion/clip.h"
 
 namespace mocaplm {
@@ -13,6 +15,9 @@ namespace mocaplm {
 // stay as stored. Throws UsageError unless 0 < fps <= 10000, or when the result would have over 2
 // million frames.
 Clip resample(const Clip& clip, double fps);
+// The same for whoever looks at some joints only: the others are zero, except when all frames
+// are only taken.
+Clip resample(const Clip& clip, double fps, const std::vector<int>& joints);
 
 // Rewrites rotation vectors v as v + 2 pi k v / |v|, the same rotation, so that each joint follows
 // its previous frame as closely as components in [-limit, limit] (radians) allow. The first frame

@@ -9,11 +9,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// sin(x) / x, by its series near zero.
-double sinc(double x) {
-  return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x;
-}
-
 double wrap(double angle) {
   const double wrapped = std::remainder(angle, 2 * kPi);
   return wrapped == -kPi ? kPi : wrapped;
@@ -27,18 +22,46 @@ double parity(const EulerOrder& order) {
 }  // namespace
 
 Eigen::Quaterniond quaternion_from_axis_angle(const Eigen::Vector3d& v) {
-  const double half = 0.5 * v.norm();
-  const Eigen::Vector3d imaginary = 0.5 * sinc(half) * v;
-  return Eigen::Quaterniond(std::cos(half), imaginary.x(), imaginary.y(), imaginary.z());
+  const double z = 0.25 * v.squaredNorm();  // half the angle, squared
+  double cosine, sinc;
+  if (z <= 2.4674) {  // rotations of at most half a turn: Taylor series, to the last bit
+    cosine =
+        1 + z * (-1.0 / 2 +
+                 z * (1.0 / 24 +
+                      z * (-1.0 / 720 +
+                           z * (1.0 / 40320 +
+                                z * (-1.0 / 3628800 +
+                                     z * (1.0 / 479001600 +
+                                          z * (-1.0 / 87178291200 +
+                                               z * (1.0 / 20922789888000 +
+                                                    z * (-1.0 / 6402373705728000 +
+                                                         z * (1.0 / 2432902008176640000))))))))));
+    sinc = 1 +
+           z * (-1.0 / 6 +
+                z * (1.0 / 120 +
+                     z * (-1.0 / 5040 +
+                          z * (1.0 / 362880 +
+                               z * (-1.0 / 39916800 +
+                                    z * (1.0 / 6227020800 +
+                                         z * (-1.0 / 1307674368000 +
+                                              z * (1.0 / 355687428096000 +
+                                                   z * (-1.0 / 121645100408832000 +
+                                                        z * (1.0 / 51090942171709440000.0))))))))));
+  } else {
+    const double half = std::sqrt(z);
+    cosine = std::cos(half);
+    sinc = std::sin(half) / half;
+  }
+  const Eigen::Vector3d imaginary = 0.5 * sinc * v;
+  return Eigen::Quaterniond(cosine, imaginary.x(), imaginary.y(), imaginary.z());
 }
 
-Eigen::Vector3d axis_angle_from_quaternion(const Eigen::Quaterniond& given) {
-  Eigen::Quaterniond q = given.normalized();
-  if (q.w() < 0) q.coeffs() = -q.coeffs();
-  const double sine = q.vec().norm();  // of half the angle
+Eigen::Vector3d axis_angle_from_quaternion(const Eigen::Quaterniond& q) {
+  // Of a quaternion of any length: only the ratio of its parts counts.
+  const double w = std::abs(q.w()), sine = q.vec().norm();
   // angle / sin(angle / 2); atan2 keeps full precision at both ends.
-  const double scale = sine < 1e-8 ? 2 / q.w() : 2 * std::atan2(sine, q.w()) / sine;
-  return scale * q.vec();
+  const double scale = sine < 1e-8 * w ? 2 / w : 2 * std::atan2(sine, w) / sine;
+  return (q.w() < 0 ? -scale : scale) * q.vec();
 }
 
 Eigen::Matrix3d matrix_from_axis_angle(const Eigen::Vector3d& v) {
@@ -85,18 +108,20 @@ double geodesic_angle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) 
 }
 
 Eigen::Quaterniond shortest_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const double dot = from.dot(to);
+  if (dot >= 0) {  // (|from| |to| + from . to, from x to) lies along the quaternion
+    const Eigen::Vector3d normal = from.cross(to);
+    const double w = std::sqrt(from.squaredNorm() * to.squaredNorm()) + dot;
+    return Eigen::Quaterniond(w, normal.x(), normal.y(), normal.z()).normalized();
+  }
   const Eigen::Vector3d a = from.normalized(), b = to.normalized();
   // The half angle from |a + b| and |a - b|, which do not cancel where a . b nears -1.
   const double cosine = 0.5 * (a + b).norm();
-  Eigen::Vector3d axis = a.cross(b), imaginary;
-  if (a.dot(b) >= 0) {
-    imaginary = axis / (2 * cosine);
-  } else {
-    const Eigen::Vector3d apart = (a - b).normalized();
-    if (axis.norm() < 1e-12) axis = apart.unitOrthogonal();  // opposite: any half turn does
-    axis -= axis.dot(apart) * apart;  // rounding must not tilt it towards them
-    imaginary = 0.5 * (a - b).norm() * axis.normalized();
-  }
+  Eigen::Vector3d axis = a.cross(b);
+  const Eigen::Vector3d apart = (a - b).normalized();
+  if (axis.norm() < 1e-12) axis = apart.unitOrthogonal();  // opposite: any half turn does
+  axis -= axis.dot(apart) * apart;                         // rounding must not tilt it towards them
+  const Eigen::Vector3d imaginary = 0.5 * (a - b).norm() * axis.normalized();
   return Eigen::Quaterniond(cosine, imaginary.x(), imaginary.y(), imaginary.z()).normalized();
 }
 

@@ -17,6 +17,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kPelvis = 0;
+// A vector this close to the frame before is its continuation: the other vectors of its rotation
+// are whole turns away.
+constexpr double kHalfTurn = kPi - 1e-6;
 // 14 hours at 20 frames per second: more comes from a wrong frame rate, and would not fit in
 // memory.
 constexpr double kMaxFrames = 1e6;
@@ -28,12 +31,14 @@ class Walker {
   Walker(const std::vector<int>& joints, double x, double z)
       : turns_(std::find(joints.begin(), joints.end(), kPelvis) != joints.end()), at_(x, z) {}
 
-  void face(const Eigen::Vector3d& pelvis) { yaw_ = turns_ ? heading(pelvis) : 0; }
+  void face(const Eigen::Vector3d& pelvis) {
+    if (turns_) front_ = heading_direction(pelvis);
+  }
   // (left, forward) to a place on the floor.
   Eigen::Vector2d step_to(double x, double z) const {
-    return to_dancer({x - at_.x(), z - at_.y()}, yaw_);
+    return to_dancer({x - at_.x(), z - at_.y()}, front_);
   }
-  void step(double left, double forward) { at_ += to_floor({left, forward}, yaw_); }
+  void step(double left, double forward) { at_ += to_floor({left, forward}, front_); }
   void stand(double x, double z) { at_ = {x, z}; }
   double x() const { return at_.x(); }
   double z() const { return at_.y(); }
@@ -41,20 +46,29 @@ class Walker {
  private:
   bool turns_;
   Eigen::Vector2d at_;
-  double yaw_ = 0;
+  Eigen::Vector2d front_{0, 1};  // (x, z), of unit length
 };
 
 }  // namespace
 
-Clip Tokenizer::at_rate(const Clip& clip) const {
+bool Tokenizer::check_rate(const Clip& clip) const {
   const std::string name = clip.name.empty() ? "clip" : clip.name;
   check_clip(clip, name);
-  if (std::abs(clip.fps - config_.fps) < 1e-9) return clip;
+  if (std::abs(clip.fps - config_.fps) < 1e-9) return true;
   if (clip.seconds() * config_.fps > kMaxFrames)
     throw DataError(in_file(name), "lasts " + format_duration(clip.seconds()) + " by its rate of " +
                                        format_number(clip.fps) +
                                        " frames per second, which is too long; is the rate right?");
-  return resample(clip, config_.fps);
+  return false;
+}
+
+Clip Tokenizer::at_rate(const Clip& clip) const {
+  return check_rate(clip) ? clip : resample(clip, config_.fps);
+}
+
+const Clip& Tokenizer::at_rate(const Clip& clip, Clip& resampled) const {
+  if (check_rate(clip)) return clip;
+  return resampled = resample(clip, config_.fps, joints_);
 }
 
 bool Tokenizer::is_decoded(const Eigen::Vector3d& v, int first) const {
@@ -65,23 +79,40 @@ bool Tokenizer::is_decoded(const Eigen::Vector3d& v, int first) const {
   return true;
 }
 
-Eigen::MatrixXd Tokenizer::channel_values(const Clip& given) const {
-  const Clip clip = at_rate(given);
-  Eigen::MatrixXd values(clip.frames(), channels());
-  for (int first = 0; first < rotation_channels(); first += 3) {
-    Eigen::Vector3d previous;
-    for (Eigen::Index t = 0; t < clip.frames(); ++t) {
-      const Eigen::Vector3d v = clip.poses.row(t).segment<3>(3 * channel_joint(first)).transpose();
-      if (is_decoded(v, first))
-        previous = v;
-      else if (t == 0)
-        previous = axis_angle_from_quaternion(quaternion_from_axis_angle(v));
-      else
-        previous = continuous_axis_angle(v, previous, kPi);
-      // Rounding must not push a component past the outermost bin.
-      values.row(t).segment<3>(first) = previous.transpose().cwiseMax(-kPi).cwiseMin(kPi);
-    }
+void Tokenizer::next_rotations(const Clip& clip, Eigen::Index frame,
+                               std::vector<double>& values) const {
+  const double* poses = clip.poses.row(frame).data();
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const Eigen::Vector3d v(poses + 3 * joints_[i]);
+    Eigen::Map<Eigen::Vector3d> cell(values.data() + 3 * i);
+    const bool follows = frame > 0 && v.cwiseAbs().maxCoeff() <= kPi &&
+                         (v - cell).squaredNorm() <= kHalfTurn * kHalfTurn;
+    Eigen::Vector3d next = v;
+    if (!follows && !is_decoded(v, static_cast<int>(3 * i)))
+      next = frame == 0 ? axis_angle_from_quaternion(quaternion_from_axis_angle(v))
+                        : continuous_axis_angle(v, cell, kPi);
+    // Rounding must not push a component past the outermost bin.
+    cell = next.cwiseMax(-kPi).cwiseMin(kPi);
   }
+}
+
+Tokenizer::Rotations Tokenizer::rotation_values(const Clip& given) const {
+  Clip resampled;
+  const Clip& clip = at_rate(given, resampled);
+  Rotations values(clip.frames(), rotation_channels());
+  std::vector<double> rotations(static_cast<std::size_t>(rotation_channels()));
+  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+    next_rotations(clip, t, rotations);
+    std::copy(rotations.begin(), rotations.end(), values.row(t).data());
+  }
+  return values;
+}
+
+Eigen::MatrixXd Tokenizer::channel_values(const Clip& given) const {
+  Clip resampled;
+  const Clip& clip = at_rate(given, resampled);
+  Eigen::MatrixXd values(clip.frames(), channels());
+  values.leftCols(rotation_channels()) = rotation_values(clip);
   if (config_.root == "absolute") values.rightCols<3>() = clip.trans;
   if (config_.root == "steps") {
     Walker walker(joints_, clip.trans(0, 0), clip.trans(0, 2));
@@ -96,45 +127,57 @@ Eigen::MatrixXd Tokenizer::channel_values(const Clip& given) const {
 }
 
 TokenStream Tokenizer::encode(const Clip& given, EncodeReport* report) const {
-  const Clip clip = at_rate(given);
-  Eigen::MatrixXd values = channel_values(clip);
+  Clip resampled;
+  const Clip& clip = at_rate(given, resampled);
   const int root = rotation_channels();
+  const bool steps = config_.root == "steps", none = config_.root == "none";
+  const auto size = static_cast<std::size_t>(clip.frames() * tokens_per_frame());
   TokenStream stream;
-  stream.reserve(static_cast<std::size_t>(values.rows() * tokens_per_frame()));
-  EncodeReport counts;
-  counts.values = values.size();
-  const auto quantise = [&](Eigen::Index t, int c) {
+  stream.ids.resize(size);
+  stream.frame.resize(size);
+  stream.channel.resize(size);
+  std::size_t next = 0;
+  std::int64_t outside = 0;
+  const auto push = [&](std::int32_t id, Eigen::Index t, int c) {
+    stream.ids[next] = id;
+    stream.frame[next] = static_cast<std::int32_t>(t);
+    stream.channel[next++] = c;
+  };
+  const auto quantise = [&](Eigen::Index t, int c, double value) {
     bool clamped = false;
-    const int bin = bin_of(c, values(t, c), &clamped);
-    counts.clamped += clamped;
-    stream.push(kFirstBin + bin, static_cast<std::int32_t>(t), c);
+    const int bin = bin_of(c, value, &clamped);
+    outside += clamped;
+    push(kFirstBin + bin, t, c);
     return bin_centre(c, bin);
   };
   // Where the decoder believes the dancer to be: a step is measured from there and in the decoded
   // heading, so that rounding never adds up.
   Walker believed(joints_, clip.trans(0, 0), clip.trans(0, 2));
-  for (Eigen::Index t = 0; t < values.rows(); ++t) {
+  std::vector<double> rotations(static_cast<std::size_t>(root));
+  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+    next_rotations(clip, t, rotations);
     Eigen::Vector3d pelvis;  // decoded; the pelvis is the first joint where it is one at all
     for (int c = 0; c < root; ++c) {
-      const double decoded = quantise(t, c);
+      const double decoded = quantise(t, c, rotations[static_cast<std::size_t>(c)]);
       if (c < 3) pelvis[c] = decoded;
     }
-    if (config_.root == "steps") {
-      believed.face(pelvis);
-      const Eigen::Vector2d step = believed.step_to(clip.trans(t, 0), clip.trans(t, 2));
-      values(t, root) = step.x();
-      values(t, root + 2) = step.y();
+    if (!none) {
+      Eigen::Vector3d way = clip.trans.row(t).transpose();
+      if (steps) {
+        believed.face(pelvis);
+        const Eigen::Vector2d step = believed.step_to(way.x(), way.z());
+        way.x() = step.x();
+        way.z() = step.y();
+      }
+      const double left = quantise(t, root, way.x());
+      quantise(t, root + 1, way.y());
+      believed.step(left, quantise(t, root + 2, way.z()));
     }
-    if (config_.root != "none") {
-      const double left = quantise(t, root);
-      quantise(t, root + 1);
-      believed.step(left, quantise(t, root + 2));
-    }
-    stream.push(kSeparator, static_cast<std::int32_t>(t), channels());
+    push(kSeparator, t, channels());
   }
   if (report) {
-    report->values += counts.values;
-    report->clamped += counts.clamped;
+    report->values += static_cast<std::int64_t>(size) - clip.frames();
+    report->clamped += outside;
   }
   return stream;
 }

@@ -18,13 +18,13 @@ void add(double value, double& sum, double& max) {
   max = std::max(max, value);
 }
 
-void measure_rotations(const Tokenizer& tokenizer, const Eigen::MatrixXd& values,
+void measure_rotations(const Tokenizer& tokenizer, const Tokenizer::Rotations& values,
                        const Clip& decoded, TokenizerLoss& loss) {
-  for (int c = 0; c < tokenizer.rotation_channels(); c += 3) {
-    for (Eigen::Index t = 0; t < values.rows(); ++t) {
+  for (Eigen::Index t = 0; t < values.rows(); ++t) {
+    const double* frame = decoded.poses.row(t).data();
+    for (int c = 0; c < tokenizer.rotation_channels(); c += 3) {
       const Eigen::Vector3d before = values.row(t).segment<3>(c).transpose();
-      const Eigen::Vector3d after =
-          decoded.poses.row(t).segment<3>(3 * tokenizer.channel_joint(c)).transpose();
+      const Eigen::Vector3d after(frame + 3 * tokenizer.channel_joint(c));
       for (int axis = 0; axis < 3; ++axis)
         add(kDegrees * std::abs(before[axis] - after[axis]), loss.component_sum,
             loss.component_max);
@@ -40,10 +40,11 @@ void measure_rotations(const Tokenizer& tokenizer, const Eigen::MatrixXd& values
 }  // namespace
 
 TokenStream encode_and_measure(const Tokenizer& tokenizer, const Clip& given, TokenizerLoss& loss) {
-  const Clip clip = tokenizer.at_rate(given);
+  Clip resampled;
+  const Clip& clip = tokenizer.at_rate(given, resampled);
   const TokenStream stream = tokenizer.encode(clip, &loss.encoded);
   const Clip decoded = tokenizer.decode(stream.ids, clip.name, clip.trans.row(0).transpose());
-  measure_rotations(tokenizer, tokenizer.channel_values(clip), decoded, loss);
+  measure_rotations(tokenizer, tokenizer.rotation_values(clip), decoded, loss);
   if (tokenizer.config().root != "none")
     for (Eigen::Index t = 0; t < clip.frames(); ++t)
       add(100 * (clip.trans.row(t) - decoded.trans.row(t)).norm(), loss.root_sum, loss.root_max);

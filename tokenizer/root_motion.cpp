@@ -7,22 +7,29 @@
 
 namespace mocaplm {
 
-double heading(const Eigen::Vector3d& pelvis_axis_angle) {
-  const Eigen::Matrix3d world = matrix_from_axis_angle(pelvis_axis_angle);
-  const Eigen::Vector3d front = world.col(2);
-  if (std::hypot(front.x(), front.z()) > 0.05) return std::atan2(front.x(), front.z());
+Eigen::Vector2d heading_direction(const Eigen::Vector3d& pelvis_axis_angle) {
+  const Eigen::Quaterniond world = quaternion_from_axis_angle(pelvis_axis_angle);
+  const Eigen::Vector3d front = world * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector2d floor(front.x(), front.z());
+  const double length = floor.norm();
+  if (length > 0.05) return floor / length;
   // On the back (front up) the crown points backwards, on the belly (front down) forwards.
-  const Eigen::Vector3d crown = world.col(1) * (front.y() > 0 ? -1.0 : 1.0);
-  return std::atan2(crown.x(), crown.z());
+  const Eigen::Vector3d crown = world * Eigen::Vector3d::UnitY() * (front.y() > 0 ? -1.0 : 1.0);
+  return Eigen::Vector2d(crown.x(), crown.z()).normalized();
 }
 
-Eigen::Vector2d to_dancer(const Eigen::Vector2d& floor, double heading) {
-  const double c = std::cos(heading), s = std::sin(heading);
+double heading(const Eigen::Vector3d& pelvis_axis_angle) {
+  const Eigen::Vector2d direction = heading_direction(pelvis_axis_angle);
+  return std::atan2(direction.x(), direction.y());
+}
+
+Eigen::Vector2d to_dancer(const Eigen::Vector2d& floor, const Eigen::Vector2d& direction) {
+  const double s = direction.x(), c = direction.y();
   return {c * floor.x() - s * floor.y(), s * floor.x() + c * floor.y()};
 }
 
-Eigen::Vector2d to_floor(const Eigen::Vector2d& dancer, double heading) {
-  const double c = std::cos(heading), s = std::sin(heading);
+Eigen::Vector2d to_floor(const Eigen::Vector2d& dancer, const Eigen::Vector2d& direction) {
+  const double s = direction.x(), c = direction.y();
   return {c * dancer.x() + s * dancer.y(), -s * dancer.x() + c * dancer.y()};
 }
 

@@ -12,10 +12,12 @@ namespace mocaplm {
 // (within 3 degrees) the direction comes from the pelvis's +Y axis instead, so that it never
 // divides by zero.
 double heading(const Eigen::Vector3d& pelvis_axis_angle);
+// The same as a vector (x, z) of unit length: (sin, cos) of the heading.
+Eigen::Vector2d heading_direction(const Eigen::Vector3d& pelvis_axis_angle);
 
-// (left, forward) of a floor vector (x, z) in a heading, and back.
-Eigen::Vector2d to_dancer(const Eigen::Vector2d& floor, double heading);
-Eigen::Vector2d to_floor(const Eigen::Vector2d& dancer, double heading);
+// (left, forward) of a floor vector (x, z) in a heading's direction, and back.
+Eigen::Vector2d to_dancer(const Eigen::Vector2d& floor, const Eigen::Vector2d& direction);
+Eigen::Vector2d to_floor(const Eigen::Vector2d& dancer, const Eigen::Vector2d& direction);
 
 struct ValueRange {
   double low = 0, high = 0;

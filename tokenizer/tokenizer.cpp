@@ -72,16 +72,4 @@ int Tokenizer::channel_joint(int channel) const {
   return channel < rotation_channels() ? joints_[static_cast<std::size_t>(channel / 3)] : -1;
 }
 
-double Tokenizer::bin_centre(int channel, int bin) const {
-  const auto c = static_cast<std::size_t>(channel);
-  return low_[c] + (high_[c] - low_[c]) * (bin + 0.5) / bins();
-}
-
-int Tokenizer::bin_of(int channel, double value, bool* clamped) const {
-  const auto c = static_cast<std::size_t>(channel);
-  if (clamped) *clamped = value < low_[c] || value > high_[c];
-  const double bin = std::floor((value - low_[c]) / (high_[c] - low_[c]) * bins());
-  return static_cast<int>(std::clamp(bin, 0.0, bins() - 1.0));
-}
-
 }  // namespace mocaplm

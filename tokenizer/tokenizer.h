@@ -3,6 +3,7 @@
 // ranges for the root's translation.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -94,9 +95,15 @@ class Tokenizer {
   // The clip at the tokenizer's rate. Throws DataError for clips that are not sound (check_clip) or
   // too long at that rate (a million frames).
   Clip at_rate(const Clip& clip) const;
+  // The same for this tokenizer's eyes: `clip` itself when it has the rate, else `resampled`, in
+  // which joints that the tokenizer leaves out are not worked out.
+  const Clip& at_rate(const Clip& clip, Clip& resampled) const;
   // (frames, channels) values at the tokenizer's rate: radians (continuous in time, components
   // inside [-pi, pi]) and metres. The clip is resampled when its rate differs.
   Eigen::MatrixXd channel_values(const Clip& clip) const;
+  // Its rotation channels alone, (frames, rotation_channels()).
+  using Rotations = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Rotations rotation_values(const Clip& clip) const;
   TokenStream encode(const Clip& clip, EncodeReport* report = nullptr) const;
   // Throws DataError naming `name`, frame and channel unless these are whole frames of bins, each
   // with its separator.
@@ -108,8 +115,17 @@ class Tokenizer {
               const Eigen::Vector3d& start = Eigen::Vector3d::Zero()) const;
 
   // Centre of a bin in the channel's unit, and the bin of a value (clamped).
-  double bin_centre(int channel, int bin) const;
-  int bin_of(int channel, double value, bool* clamped = nullptr) const;
+  double bin_centre(int channel, int bin) const {
+    const auto c = static_cast<std::size_t>(channel);
+    return low_[c] + (high_[c] - low_[c]) * (bin + 0.5) / bins();
+  }
+  int bin_of(int channel, double value, bool* clamped = nullptr) const {
+    const auto c = static_cast<std::size_t>(channel);
+    if (clamped) *clamped = value < low_[c] || value > high_[c];
+    const double bin = (value - low_[c]) / (high_[c] - low_[c]) * bins();
+    // Not negative, so that the conversion rounds down.
+    return static_cast<int>(std::clamp(bin, 0.0, bins() - 1.0));
+  }
 
   // Every bin a printable character (UTF-8); the separator is a space.
   std::string to_text(const std::vector<std::int32_t>& ids) const;
@@ -136,6 +152,11 @@ class Tokenizer {
   // Three bin centres: a vector that this tokenizer decoded. It is kept, so that decoded motion is
   // encoded back to the very same tokens even where the choice between equal rotations is close.
   bool is_decoded(const Eigen::Vector3d& v, int first_channel) const;
+  // Throws as at_rate does; true when the clip has the tokenizer's rate.
+  bool check_rate(const Clip& clip) const;
+  // The rotation channels of one frame of a clip at this rate; in `values` are those of the frame
+  // before, unless it is the first.
+  void next_rotations(const Clip& clip, Eigen::Index frame, std::vector<double>& values) const;
   void read_ranges(JsonObject& object);
   void read_labels(JsonObject& object);
 

@@ -61,6 +61,9 @@ struct BvhPose {
 
 // Forward kinematics of one frame; the pose's storage is reused.
 void pose_bvh(const Bvh& bvh, Eigen::Index frame, BvhPose& pose);
+// The same for some joints only, ascending and each with its ancestors; the others are left alone.
+void pose_bvh(const Bvh& bvh, Eigen::Index frame, const std::vector<std::size_t>& joints,
+              BvhPose& pose);
 // The same for `channels` values of one's own.
 void pose_bvh_values(const Bvh& bvh, const double* values, BvhPose& pose);
 // The zero pose: no rotation, joints at their OFFSETs.

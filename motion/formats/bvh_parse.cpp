@@ -10,6 +10,7 @@
 #include "common/files.h"
 #include "common/text.h"
 #include "motion/formats/bvh.h"
+#include "motion/formats/bvh_number.h"
 
 namespace mocaplm {
 
@@ -104,18 +105,6 @@ class Parser {
       unexpected(found, what + " (a whole number of at most " + std::to_string(max) + ")");
     return value;
   }
-  // std::from_chars that also takes a leading plus; returns `from` when there is no number.
-  static const char* parse_number(const char* from, const char* to, double& value) {
-    const char* start = from < to && *from == '+' ? from + 1 : from;
-    const auto result = std::from_chars(start, to, value);
-    if (result.ec == std::errc()) return result.ptr;
-    if (result.ec != std::errc::result_out_of_range) return from;
-    // Too small to be told from zero is zero; too large is refused by the range check.
-    const std::string_view digits(start, static_cast<std::size_t>(result.ptr - start));
-    value = digits.find("e-") != digits.npos || digits.find("E-") != digits.npos ? 0 : HUGE_VAL;
-    return result.ptr;
-  }
-
   void hierarchy() {
     expect("ROOT");
     open_joint(-1);

@@ -196,11 +196,13 @@ std::string npy_bytes(const double* values, const std::vector<std::size_t>& shap
   std::size_t count = 1;
   for (const std::size_t n : shape) count *= n;
   std::string bytes = with_header("<f8", shape_text(array));
-  bytes.reserve(bytes.size() + 8 * count);
-  for (std::size_t i = 0; i < count; ++i) {
+  const std::size_t header = bytes.size();
+  bytes.resize(header + 8 * count);
+  char* out = bytes.data() + header;
+  for (std::size_t i = 0; i < count; ++i, out += 8) {
     std::uint64_t bits;
     std::memcpy(&bits, values + i, 8);
-    for (int b = 0; b < 8; ++b) bytes += static_cast<char>(bits >> (8 * b) & 0xff);
+    for (int b = 0; b < 8; ++b) out[b] = static_cast<char>(bits >> (8 * b) & 0xff);
   }
   return bytes;
 }

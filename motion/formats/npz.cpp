@@ -138,15 +138,17 @@ Clip read_npz(const fs::path& path, UpAxis up, std::optional<double> fps) {
   return clip;
 }
 
-void write_npz(const fs::path& path, const Clip& clip) {
+void write_npz(const fs::path& path, const Clip& clip, Flush flush) {
   check_clip(clip, path.string());
   const auto frames = static_cast<std::size_t>(clip.frames());
   const std::vector<double> betas(16, 0.0);
-  write_zip(path, {{"poses.npy", npy_bytes(clip.poses.data(), {frames, 72})},
-                   {"trans.npy", npy_bytes(clip.trans.data(), {frames, 3})},
-                   {"betas.npy", npy_bytes(betas.data(), {16})},
-                   {"gender.npy", npy_bytes("neutral")},
-                   {"mocap_framerate.npy", npy_bytes(&clip.fps, {})}});
+  write_zip(path,
+            {{"poses.npy", npy_bytes(clip.poses.data(), {frames, 72})},
+             {"trans.npy", npy_bytes(clip.trans.data(), {frames, 3})},
+             {"betas.npy", npy_bytes(betas.data(), {16})},
+             {"gender.npy", npy_bytes("neutral")},
+             {"mocap_framerate.npy", npy_bytes(&clip.fps, {})}},
+            flush);
 }
 
 }  // namespace mocaplm

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "common/files.h"
 #include "motion/clip.h"
 #include "motion/formats/up_axis.h"
 
@@ -30,7 +31,7 @@ Clip read_npz(const std::filesystem::path& path, UpAxis up = UpAxis::automatic,
 // Writes poses (N, 72) and trans (N, 3) as doubles, Y up, betas (16 zeros), gender "neutral" and
 // mocap_framerate, stored; the same clip gives the same bytes. Throws DataError when the clip is
 // not sound (check_clip) or the disk refuses.
-void write_npz(const std::filesystem::path& path, const Clip& clip);
+void write_npz(const std::filesystem::path& path, const Clip& clip, Flush flush = Flush::now);
 
 // Turns Z up to Y up as above.
 void turn_z_up_to_y_up(Clip& clip);

@@ -104,6 +104,13 @@ NumpyType parse_numpy_type(std::string_view text, const Place& place) {
   return type;
 }
 
+bool NumpyArray::is_plain() const {
+  const std::uint16_t one = 1;
+  const bool little_endian = *reinterpret_cast<const unsigned char*>(&one) == 1;
+  return type.kind == 'f' && type.item_bytes == sizeof(double) && !column_major &&
+         type.big_endian != little_endian;
+}
+
 double NumpyArray::at(std::size_t row, std::size_t column) const {
   assert(type.is_number() && row < rows() && column < columns());
   const std::size_t index = column_major ? column * rows() + row : row * columns() + column;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,8 @@ struct NumpyArray {
 
   std::size_t rows() const { return shape.empty() ? 1 : shape[0]; }
   std::size_t columns() const { return shape.size() < 2 ? 1 : shape[1]; }
+  // Row-major doubles in this processor's order: the memory of such a matrix.
+  bool is_plain() const;
   std::size_t dimensions() const { return shape.size(); }
   // Element of an array of at most two dimensions, as a double. The type must be a number.
   double at(std::size_t row, std::size_t column) const;
@@ -59,7 +62,13 @@ double single_number(const NumpyArray& array, const std::string& name, const Pla
 template <class Matrix>
 void copy_columns(const NumpyArray& array, std::size_t first, std::size_t count, Matrix& out,
                   Eigen::Index out_first = 0) {
-  for (std::size_t t = 0; t < array.rows(); ++t)
+  static_assert(Matrix::IsRowMajor);
+  const bool plain = array.is_plain();
+  for (std::size_t t = 0; t < array.rows() && plain; ++t)
+    std::memcpy(&out(static_cast<Eigen::Index>(t), out_first),
+                array.data.data() + sizeof(double) * (t * array.columns() + first),
+                sizeof(double) * count);
+  for (std::size_t t = 0; t < array.rows() && !plain; ++t)
     for (std::size_t c = 0; c < count; ++c)
       out(static_cast<Eigen::Index>(t), out_first + static_cast<Eigen::Index>(c)) =
           array.at(t, first + c);

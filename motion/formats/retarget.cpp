@@ -15,6 +15,7 @@ namespace mocaplm {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kHalfTurn = kPi - 1e-6;  // with room for rounding
 
 // A bone from a joint to its child, by SMPL index.
 struct Bone {
@@ -35,6 +36,18 @@ Eigen::Vector3d rest(std::size_t joint) {
   return rest_joints().row(static_cast<Eigen::Index>(joint)).transpose();
 }
 
+// The joints of the file that SMPL's joints come from, and all above them, ascending.
+std::vector<std::size_t> with_ancestors(const Bvh& bvh, const SourceJoints& joints) {
+  std::vector<bool> needed(bvh.joints.size(), false);
+  for (int joint : joints)
+    for (; joint >= 0; joint = bvh.joints[static_cast<std::size_t>(joint)].parent)
+      needed[static_cast<std::size_t>(joint)] = true;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < needed.size(); ++i)
+    if (needed[i]) indices.push_back(i);
+  return indices;
+}
+
 class Retargeter {
  public:
   Retargeter(const Bvh& bvh, const RetargetMap& map, const BvhOptions& options,
@@ -42,9 +55,13 @@ class Retargeter {
       : bvh_(bvh),
         map_(map),
         joints_(source_joints(bvh, map, file)),
+        needed_(with_ancestors(bvh, joints_)),
         turn_(world_turn(bvh, map, options.up, file)),
+        turn_quaternion_(quaternion_from_matrix(turn_)),
         from_t_pose_(from_t_pose(bvh, map, joints_, turn_, file)),
         hands_{hand_in_t_pose(20, 18), hand_in_t_pose(21, 19)} {
+    for (std::size_t j = 0; j < kJoints; ++j)
+      from_t_pose_quaternions_[j] = quaternion_from_matrix(from_t_pose_[j]);
     unit_ = find_unit(options);
     const double height = figure_height(bvh_, joints_) * unit_;
     if (!(height > 0.3 && height < 5))
@@ -63,9 +80,11 @@ class Retargeter {
 
   // World rotations of SMPL's joints in one frame, and where its pelvis joint lies, metres.
   Eigen::Vector3d convert(Eigen::Index frame, Rotations& world) {
-    pose_bvh(bvh_, frame, pose_);
+    pose_bvh(bvh_, frame, needed_, pose_);
     for (std::size_t j = 0; j < kJoints; ++j)
-      if (has(j)) world[j] = quaternion_from_matrix(turn_ * source(j) * from_t_pose_[j]);
+      if (has(j))
+        world[j] =
+            turn_quaternion_ * quaternion_from_matrix(source(j)) * from_t_pose_quaternions_[j];
     if (map_.align) {
       for (const Bone& limb : kLimbs) align(limb, bone(limb), world);
       for (std::size_t side = 0; side < 2; ++side) align_wrist(side, world);
@@ -140,8 +159,11 @@ class Retargeter {
   const Bvh& bvh_;
   const RetargetMap& map_;
   SourceJoints joints_;
+  std::vector<std::size_t> needed_;  // the file's joints that have a part in the result
   Eigen::Matrix3d turn_;
+  Eigen::Quaterniond turn_quaternion_;
   std::array<Eigen::Matrix3d, kJoints> from_t_pose_;
+  Rotations from_t_pose_quaternions_;
   double unit_ = 0;
   BvhPose pose_;
   std::array<Eigen::Vector3d, 2> hands_;
@@ -159,8 +181,12 @@ void set_poses(Clip& clip, Eigen::Index frame, const Rotations& world,
     const Eigen::Quaterniond local =
         parent < 0 ? world[0] : world[static_cast<std::size_t>(parent)].conjugate() * world[joint];
     Eigen::Vector3d v = axis_angle_from_quaternion(local);
-    if (frame > 0)
-      v = continuous_axis_angle(v, clip.poses.row(frame - 1).segment<3>(3 * j).transpose(), kPi);
+    if (frame > 0) {
+      const Eigen::Vector3d previous = clip.poses.row(frame - 1).segment<3>(3 * j).transpose();
+      // The other vectors of this rotation are whole turns away: within half a turn it is nearest.
+      if ((v - previous).squaredNorm() > kHalfTurn * kHalfTurn)
+        v = continuous_axis_angle(v, previous, kPi);
+    }
     clip.poses.row(frame).segment<3>(3 * j) = v.transpose();
   }
 }
@@ -169,17 +195,25 @@ double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / kPi;
 }
 
-// Adds one frame's limb errors, measured through the clip's own forward kinematics.
+// SMPL's joints whose rotations turn a limb, each after its parent.
+constexpr int kLimbChain[] = {0, 1, 2, 3, 4, 5, 6, 9, 13, 14, 16, 17, 18, 19};
+
+// Adds one frame's limb errors, measured through the forward kinematics of the clip's own numbers.
 void measure(const Clip& clip, Eigen::Index frame, const Retargeter& retargeter,
              RetargetReport& report) {
-  const JointPositions positions = joint_positions(clip, frame);
+  Rotations world;
+  for (const int j : kLimbChain) {
+    const auto joint = static_cast<std::size_t>(j);
+    const int parent = joint_parents()[joint];
+    const Eigen::Quaterniond local =
+        quaternion_from_axis_angle(clip.poses.row(frame).segment<3>(3 * j).transpose());
+    world[joint] = parent < 0 ? local : world[static_cast<std::size_t>(parent)] * local;
+  }
   for (std::size_t i = 0; i < std::size(kLimbs); ++i) {
     const Bone& limb = kLimbs[i];
     const Eigen::Vector3d source = retargeter.bone(limb);
     if (source.norm() < 1e-9) continue;
-    const Eigen::Vector3d ours = (positions.row(static_cast<Eigen::Index>(limb.child)) -
-                                  positions.row(static_cast<Eigen::Index>(limb.joint)))
-                                     .transpose();
+    const Eigen::Vector3d ours = world[limb.joint] * (rest(limb.child) - rest(limb.joint));
     const double error = degrees_between(source, ours);
     report.limbs[i].mean += error;
     ++report.limbs[i].frames;

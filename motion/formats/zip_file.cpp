@@ -139,8 +139,8 @@ std::string ZipReader::read(const std::string& entry) const {
 }
 
 void write_zip(const fs::path& path,
-               const std::vector<std::pair<std::string, std::string>>& entries) {
-  write_file_with(path, [&](const fs::path& temporary) {
+               const std::vector<std::pair<std::string, std::string>>& entries, Flush flush) {
+  const auto fill = [&](const fs::path& temporary) {
     int code = 0;
     zip_t* zip = zip_open(temporary.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);
     if (zip == nullptr)
@@ -159,7 +159,8 @@ void write_zip(const fs::path& path,
     const std::string reason = zip_strerror(zip);
     zip_discard(zip);
     throw DataError(in_file(path.string()), "cannot be written: " + reason);
-  });
+  };
+  write_file_with(path, fill, flush);
 }
 
 }  // namespace mocaplm

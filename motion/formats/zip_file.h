@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/files.h"
+
 namespace mocaplm {
 
 class ZipReader {
@@ -33,6 +35,7 @@ class ZipReader {
 // Writes the entries in this order, stored, all dated 1980-01-01: the same entries give the same
 // bytes.
 void write_zip(const std::filesystem::path& path,
-               const std::vector<std::pair<std::string, std::string>>& entries);
+               const std::vector<std::pair<std::string, std::string>>& entries,
+               Flush flush = Flush::now);
 
 }  // namespace mocaplm

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/error.h"
@@ -53,6 +54,43 @@ TEST(Resample, FollowsASteadyTurnAtAnyRate) {
       ASSERT_LT(rotation_error(out, t, expected, t), 1e-9) << fps << " frame " << t;
       ASSERT_LT((out.trans.row(t) - expected.trans.row(t)).norm(), 1e-12);
     }
+  }
+}
+
+// Slerp as a share of the turn between the frames, for frames near to and far from each other.
+TEST(Resample, IsSlerpToRoundingAtEveryDistance) {
+  Random random(17);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double angle = std::pow(10, random.uniform(-9, std::log10(3.0)));
+    const Eigen::Vector3d start = random.uniform(0, 3) * random_direction(random);
+    const Eigen::Quaterniond a = quaternion_from_axis_angle(start),
+                             turn = quaternion_from_axis_angle(angle * random_direction(random));
+    Clip clip;
+    clip.fps = 10;
+    clip.poses.setZero(2, 72);
+    clip.trans.setZero(2, 3);
+    clip.poses.row(0).head<3>() = start.transpose();
+    clip.poses.row(1).head<3>() = axis_angle_from_quaternion(a * turn).transpose();
+    const Clip out = resample(clip, 10 * 3);  // at 0, 1/3, 2/3, 1
+    for (int i = 1; i < 3; ++i) {
+      const Eigen::Quaterniond expected =
+          a * quaternion_from_axis_angle(axis_angle_from_quaternion(turn) * i / 3.0);
+      const Eigen::Quaterniond found =
+          quaternion_from_axis_angle(out.poses.row(i).head<3>().transpose());
+      ASSERT_LT(geodesic_angle(expected, found), 3e-15) << angle;
+    }
+  }
+}
+
+TEST(Resample, OfSomeJointsLeavesTheOthersOut) {
+  const Clip source = steady_clip(121, 60);
+  const std::vector<int> joints = {0, 4, 21};
+  const Clip all = resample(source, 50), some = resample(source, 50, joints);
+  EXPECT_EQ(some.trans, all.trans);
+  for (int j = 0; j < 24; ++j) {
+    const bool wanted = std::count(joints.begin(), joints.end(), j) > 0;
+    const auto part = some.poses.middleCols<3>(3 * j);
+    EXPECT_TRUE(wanted ? part == all.poses.middleCols<3>(3 * j) : part.isZero(0)) << j;
   }
 }
 

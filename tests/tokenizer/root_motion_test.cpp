@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/random.h"
+#include "motion/helpers.h"
 #include "motion/rotation.h"
 
 namespace mocaplm {
@@ -40,15 +41,28 @@ TEST(Heading, IsFiniteForEveryRotation) {
   }
 }
 
+TEST(Heading, HasADirectionOfUnitLength) {
+  Random random(6);
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector3d v = random.uniform(0, 1.2) * kPi * random_direction(random);
+    const Eigen::Vector2d direction = heading_direction(v);
+    EXPECT_NEAR(direction.norm(), 1, 1e-14);
+    const double angle = heading(v);
+    EXPECT_LT((direction - Eigen::Vector2d(std::sin(angle), std::cos(angle))).norm(), 1e-14);
+  }
+}
+
 TEST(Steps, LeftIsPlusXAndForwardPlusZAtHeadingZero) {
-  EXPECT_TRUE(to_dancer({1, 0}, 0).isApprox(Eigen::Vector2d(1, 0)));
-  EXPECT_TRUE(to_dancer({0, 1}, 0).isApprox(Eigen::Vector2d(0, 1)));
+  const Eigen::Vector2d ahead(0, 1), left(1, 0);
+  EXPECT_TRUE(to_dancer({1, 0}, ahead).isApprox(Eigen::Vector2d(1, 0)));
+  EXPECT_TRUE(to_dancer({0, 1}, ahead).isApprox(Eigen::Vector2d(0, 1)));
   // Facing +X, a step along +X is forward, and +Z lies to the right.
-  EXPECT_NEAR((to_dancer({1, 0}, kPi / 2) - Eigen::Vector2d(0, 1)).norm(), 0, 1e-15);
-  EXPECT_NEAR((to_dancer({0, 1}, kPi / 2) - Eigen::Vector2d(-1, 0)).norm(), 0, 1e-15);
-  for (double yaw = -4; yaw < 4; yaw += 0.3)
-    EXPECT_NEAR((to_floor(to_dancer({0.3, -0.7}, yaw), yaw) - Eigen::Vector2d(0.3, -0.7)).norm(), 0,
-                1e-15);
+  EXPECT_NEAR((to_dancer({1, 0}, left) - Eigen::Vector2d(0, 1)).norm(), 0, 1e-15);
+  EXPECT_NEAR((to_dancer({0, 1}, left) - Eigen::Vector2d(-1, 0)).norm(), 0, 1e-15);
+  for (double yaw = -4; yaw < 4; yaw += 0.3) {
+    const Eigen::Vector2d direction(std::sin(yaw), std::cos(yaw)), step(0.3, -0.7);
+    EXPECT_NEAR((to_floor(to_dancer(step, direction), direction) - step).norm(), 0, 1e-15);
+  }
 }
 
 TEST(StepRange, KeepsZeroAtABinsCentreAndIgnoresOneBadJump) {

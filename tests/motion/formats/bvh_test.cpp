@@ -173,6 +173,20 @@ TEST(Bvh, KinematicsOfAnyChannelOrderAndSubset) {
   }
 }
 
+TEST(Bvh, SomeJointsArePosedAsAllAreAndTheOthersLeftAlone) {
+  const Bvh bvh = parse_bvh(kSmall, "small");
+  BvhPose all, some;
+  pose_bvh(bvh, 0, all);
+  const Eigen::Vector3d left_alone(9, 9, 9);
+  some.positions.assign(bvh.joints.size(), left_alone);
+  pose_bvh(bvh, 0, {0, 2, 3}, some);
+  for (const std::size_t i : {0, 2, 3}) {
+    EXPECT_EQ(some.positions[i], all.positions[i]);
+    EXPECT_EQ(some.rotations[i], all.rotations[i]);
+  }
+  EXPECT_EQ(some.positions[1], left_alone);
+}
+
 TEST(Bvh, PositionChannelsReplaceTheOffset) {
   const Bvh bvh = parse_bvh(kSmall, "small");
   BvhPose pose;
