@@ -6,29 +6,30 @@
 namespace mocaplm {
 namespace {
 
-// Scores of `Blocks` blocks of 16 positions: the query is x + 128 (unsigned), whose share is the
-// head's key_offset.
-template <int Blocks>
+// Scores of one block of 16 positions. The query is x + 128 (unsigned), whose share is the head's
+// key_offset. Four sums take turns, for a sum waits for the one before; the keys are read in order.
 inline void score_bytes(const std::uint8_t* query, float query_scale, const ByteHead& head,
                         std::int64_t block, std::int64_t words, float* scores) {
-  __m512i sum[Blocks];
-  for (int b = 0; b < Blocks; ++b) sum[b] = _mm512_setzero_si512();
+  __m512i sum[4];
+  for (__m512i& one : sum) one = _mm512_setzero_si512();
   const std::uint32_t* keys = head.keys + block * words * kLanes;
-  for (std::int64_t d = 0; d < words; ++d) {
+  const auto step = [&](std::int64_t d, __m512i& to) {
     std::int32_t four;
     std::memcpy(&four, query + 4 * d, sizeof four);
-    const __m512i left = _mm512_set1_epi32(four);
-    for (int b = 0; b < Blocks; ++b)
-      sum[b] =
-          _mm512_dpbusd_epi32(sum[b], left, _mm512_loadu_si512(keys + (b * words + d) * kLanes));
-  }
-  for (int b = 0; b < Blocks; ++b) {
-    const std::int64_t at = (block + b) * kLanes;
-    const __m512i exact = _mm512_sub_epi32(sum[b], _mm512_loadu_si512(head.key_offset + at));
-    const __m512 scale =
-        _mm512_mul_ps(_mm512_loadu_ps(head.key_scale + at), _mm512_set1_ps(query_scale));
-    _mm512_storeu_ps(scores + at, _mm512_mul_ps(_mm512_cvtepi32_ps(exact), scale));
-  }
+    _mm_prefetch(reinterpret_cast<const char*>(keys + d * kLanes) + kAhead, _MM_HINT_T0);
+    to = _mm512_dpbusd_epi32(to, _mm512_set1_epi32(four), _mm512_loadu_si512(keys + d * kLanes));
+  };
+  std::int64_t d = 0;
+  for (; d + 4 <= words; d += 4)
+    for (int i = 0; i < 4; ++i) step(d + i, sum[i]);
+  for (; d < words; ++d) step(d, sum[0]);
+  const __m512i all =
+      _mm512_add_epi32(_mm512_add_epi32(sum[0], sum[1]), _mm512_add_epi32(sum[2], sum[3]));
+  const std::int64_t at = block * kLanes;
+  const __m512i exact = _mm512_sub_epi32(all, _mm512_loadu_si512(head.key_offset + at));
+  const __m512 scale =
+      _mm512_mul_ps(_mm512_loadu_ps(head.key_scale + at), _mm512_set1_ps(query_scale));
+  _mm512_storeu_ps(scores + at, _mm512_mul_ps(_mm512_cvtepi32_ps(exact), scale));
 }
 
 // Adds what one block of 16 positions gives to 16 * Vectors columns. The weights of a block are
@@ -42,9 +43,11 @@ inline void add_block(const std::uint8_t* weights, float scale, const std::uint3
     std::int32_t four;
     std::memcpy(&four, weights + 4 * quad, sizeof four);
     const __m512i left = _mm512_set1_epi32(four);
-    for (int v = 0; v < Vectors; ++v)
-      sum[v] =
-          _mm512_dpbusd_epi32(sum[v], left, _mm512_loadu_si512(values + quad * padded + v * 16));
+    for (int v = 0; v < Vectors; ++v) {
+      const std::uint32_t* from = values + quad * padded + v * 16;
+      _mm_prefetch(reinterpret_cast<const char*>(from) + kAhead, _MM_HINT_T0);
+      sum[v] = _mm512_dpbusd_epi32(sum[v], left, _mm512_loadu_si512(from));
+    }
   }
   for (int v = 0; v < Vectors; ++v)
     sums[v] = _mm512_fmadd_ps(_mm512_cvtepi32_ps(sum[v]), _mm512_set1_ps(scale), sums[v]);
@@ -85,9 +88,7 @@ void attend_vnni(const float* query, const ByteHead& head, std::int64_t count, s
   auto* bytes = reinterpret_cast<std::uint8_t*>(block_scale);
   float query_scale;
   prepare_vnni(query, 1, width, words, bytes, &query_scale);
-  std::int64_t b = 0;
-  for (; b + 8 <= blocks; b += 8) score_bytes<8>(bytes, query_scale, head, b, words, scores);
-  for (; b < blocks; ++b) score_bytes<1>(bytes, query_scale, head, b, words, scores);
+  for (std::int64_t b = 0; b < blocks; ++b) score_bytes(bytes, query_scale, head, b, words, scores);
   const float scale = softmax(scores, count);
   weigh(scores, head.value_scale, blocks, block_scale);
   const auto* weights = reinterpret_cast<const std::uint8_t*>(scores);

@@ -68,18 +68,24 @@ void product_pairs(const void* prepared, std::int64_t rows, std::int64_t depth,
   if (r < rows) tile_pairs<1>(x + r * depth, depth, panel, tile + r * kPanel);
 }
 
-// Scores of `Blocks` blocks of keys: each has a sum of its own, for the sums wait for each other.
-template <int Blocks>
-inline void score_blocks(const std::uint32_t* query, const std::uint32_t* keys, std::int64_t words,
-                         float* scores) {
-  __m512 sum[Blocks];
-  for (int b = 0; b < Blocks; ++b) sum[b] = _mm512_setzero_ps();
-  for (std::int64_t d = 0; d < words; ++d) {
-    const __m512bh left = same_pair(query + d);
-    for (int b = 0; b < Blocks; ++b)
-      sum[b] = _mm512_dpbf16_ps(sum[b], left, pairs(keys + (b * words + d) * kLanes));
-  }
-  for (int b = 0; b < Blocks; ++b) _mm512_storeu_ps(scores + b * kLanes, sum[b]);
+// Scores of one block of 16 positions. Eight sums take turns, for a sum waits for the one before;
+// the keys are read in order.
+inline void score_block(const std::uint32_t* query, const std::uint32_t* keys, std::int64_t words,
+                        float* scores) {
+  constexpr int kSums = 8;
+  __m512 sum[kSums];
+  for (__m512& one : sum) one = _mm512_setzero_ps();
+  const auto step = [&](std::int64_t d, __m512& to) {
+    _mm_prefetch(reinterpret_cast<const char*>(keys + d * kLanes) + kAhead, _MM_HINT_T0);
+    to = _mm512_dpbf16_ps(to, same_pair(query + d), pairs(keys + d * kLanes));
+  };
+  std::int64_t d = 0;
+  for (; d + kSums <= words; d += kSums)
+    for (int i = 0; i < kSums; ++i) step(d + i, sum[i]);
+  for (; d < words; ++d) step(d, sum[0]);
+  for (int half = kSums / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) sum[i] = _mm512_add_ps(sum[i], sum[i + half]);
+  _mm512_storeu_ps(scores, sum[0]);
 }
 
 // 16 * Vectors columns of the weighted sum of values; even and odd pairs of positions apart, for
@@ -92,9 +98,11 @@ inline void sum_values(const float* weights, const std::uint32_t* values, std::i
   for (std::int64_t t = 0; t < pair_count; t += 2)  // whole blocks: an even number of pairs
     for (int half = 0; half < 2; ++half) {
       const __m512bh left = same_pair(weights + t + half);
-      for (int v = 0; v < Vectors; ++v)
-        sum[half][v] =
-            _mm512_dpbf16_ps(sum[half][v], left, pairs(values + (t + half) * padded + v * 16));
+      for (int v = 0; v < Vectors; ++v) {
+        const std::uint32_t* from = values + (t + half) * padded + v * 16;
+        _mm_prefetch(reinterpret_cast<const char*>(from) + kAhead, _MM_HINT_T0);
+        sum[half][v] = _mm512_dpbf16_ps(sum[half][v], left, pairs(from));
+      }
     }
   const __m512 scales = _mm512_set1_ps(scale);
   for (int v = 0; v < Vectors; ++v)
@@ -108,11 +116,8 @@ void attend_pairs(const float* query, const std::uint32_t* keys, const std::uint
   std::uint32_t rounded_query[kChunk / 2];
   if (width > kChunk) return attend_bf16(query, keys, values, count, width, scores, out);
   round_row(query, width, words, rounded_query);
-  std::int64_t b = 0;
-  for (; b + 8 <= blocks; b += 8)
-    score_blocks<8>(rounded_query, keys + b * words * kLanes, words, scores + b * kLanes);
-  for (; b < blocks; ++b)
-    score_blocks<1>(rounded_query, keys + b * words * kLanes, words, scores + b * kLanes);
+  for (std::int64_t b = 0; b < blocks; ++b)
+    score_block(rounded_query, keys + b * words * kLanes, words, scores + b * kLanes);
   const float scale = softmax(scores, count);
   // Rounded in place: a word is written after the two values that it holds were read.
   for (std::int64_t t = 0; t < blocks; t += 2) {

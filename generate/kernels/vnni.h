@@ -12,6 +12,10 @@ namespace {
 // the start.
 constexpr int kOffset = 128;
 
+// Bytes that are asked for ahead of their use: what streams through memory once a token waits for
+// it otherwise.
+constexpr std::int64_t kAhead = 2048;
+
 void prepare_vnni(const float* x, std::int64_t rows, std::int64_t in, std::int64_t depth,
                   void* prepared, float* scale) {
   quantise<std::uint8_t, kOffset>(x, rows, in, depth, prepared, scale);
