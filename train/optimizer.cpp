@@ -54,7 +54,7 @@ double sum_of_squares(const at::Tensor& grad) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// LibTorch's state of a parameter, made where there is none. Its key was a text before LibTorch 2.
+// LibTorch's state of a parameter, made where there is none. In older releases its key is a text.
 template <class AdamW>
 torch::optim::AdamWParamState& state_of(AdamW& adamw, const at::Tensor& parameter) {
   using Key = typename std::decay_t<decltype(adamw.state())>::key_type;
@@ -76,30 +76,41 @@ torch::optim::AdamWParamState& state_of(AdamW& adamw, const at::Tensor& paramete
   return static_cast<torch::optim::AdamWParamState&>(**slot);
 }
 
-// Loshchilov and Hutter 2019, algorithm 2, in one pass over the memory; the gradient is clipped on
-// the way.
+// Loshchilov and Hutter 2019, algorithm 2, with what is the same for all elements worked out
+// before.
+struct AdamWFactors {
+  float keep1, keep2, decay, rate, spread, eps, shrink;
+};
+void adamw_elements(float* __restrict p, const float* __restrict g, float* __restrict m,
+                    float* __restrict v, std::int64_t count, const AdamWFactors f) {
+  for (std::int64_t i = 0; i < count; ++i) {
+    const float slope = g[i] * f.shrink;
+    m[i] = f.keep1 * m[i] + (1 - f.keep1) * slope;
+    v[i] = f.keep2 * v[i] + (1 - f.keep2) * slope * slope;
+    p[i] = f.decay * p[i] - f.rate * m[i] / (std::sqrt(v[i]) * f.spread + f.eps);
+  }
+}
+
+// One pass over the memory; the gradient is clipped on the way.
 void adamw_step(const at::Tensor& parameter, torch::optim::AdamWParamState& state,
                 const torch::optim::AdamWOptions& options, float shrink) {
   state.step(state.step() + 1);
   const double steps = static_cast<double>(state.step());
   const auto [beta1, beta2] = options.betas();
-  const auto keep1 = static_cast<float>(beta1), keep2 = static_cast<float>(beta2);
-  const auto decay = static_cast<float>(1 - options.lr() * options.weight_decay());
-  const auto rate = static_cast<float>(options.lr() / (1 - std::pow(beta1, steps)));
-  const auto spread = static_cast<float>(1 / std::sqrt(1 - std::pow(beta2, steps)));
-  const auto eps = static_cast<float>(options.eps());
+  const AdamWFactors factors{static_cast<float>(beta1),
+                             static_cast<float>(beta2),
+                             static_cast<float>(1 - options.lr() * options.weight_decay()),
+                             static_cast<float>(options.lr() / (1 - std::pow(beta1, steps))),
+                             static_cast<float>(1 / std::sqrt(1 - std::pow(beta2, steps))),
+                             static_cast<float>(options.eps()),
+                             shrink};
   float* value = parameter.data_ptr<float>();
-  float* grad = parameter.grad().data_ptr<float>();
+  const float* grad = parameter.grad().data_ptr<float>();
   float* first = state.exp_avg().data_ptr<float>();
   float* second = state.exp_avg_sq().data_ptr<float>();
   at::parallel_for(0, parameter.numel(), 1 << 15, [&](std::int64_t begin, std::int64_t end) {
-    float* __restrict p = value, * __restrict g = grad, * __restrict m = first, * __restrict v = second;
-    for (std::int64_t i = begin; i < end; ++i) {
-      const float slope = g[i] * shrink;
-      m[i] = keep1 * m[i] + (1 - keep1) * slope;
-      v[i] = keep2 * v[i] + (1 - keep2) * slope * slope;
-      p[i] = decay * p[i] - rate * m[i] / (std::sqrt(v[i]) * spread + eps);
-    }
+    adamw_elements(value + begin, grad + begin, first + begin, second + begin, end - begin,
+                   factors);
   });
   parameter.unsafeGetTensorImpl()->bump_version();  // for copies made of it (packed_weights.h)
 }

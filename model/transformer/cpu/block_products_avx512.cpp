@@ -50,18 +50,17 @@ struct Normal {
   __m512 integral, density;
 };
 Normal normal(__m512 x) {
-  const __m512 size = _mm512_mul_ps(_mm512_abs_ps(x), _mm512_set1_ps(0.70710678f));
   const __m512 one = _mm512_set1_ps(1);
-  const __m512 d = _mm512_fmadd_ps(size, _mm512_set1_ps(0.3275911f), one);
+  const __m512 d = _mm512_fmadd_ps(_mm512_abs_ps(x), _mm512_set1_ps(0.3275911f * 0.70710678f), one);
   __m512 t = _mm512_rcp14_ps(d);  // 1 / d, after one step of Newton's
   t = _mm512_mul_ps(t, _mm512_fnmadd_ps(t, d, _mm512_set1_ps(2)));
   const __m512 e = power_of_two(_mm512_mul_ps(_mm512_mul_ps(x, x), _mm512_set1_ps(-0.5f * kLog2E)));
-  __m512 p = _mm512_set1_ps(1.061405429f);
-  p = _mm512_fmadd_ps(p, t, _mm512_set1_ps(-1.453152027f));
-  p = _mm512_fmadd_ps(p, t, _mm512_set1_ps(1.421413741f));
-  p = _mm512_fmadd_ps(p, t, _mm512_set1_ps(-0.284496736f));
-  p = _mm512_fmadd_ps(p, t, _mm512_set1_ps(0.254829592f));
-  const __m512 tail = _mm512_mul_ps(_mm512_mul_ps(_mm512_mul_ps(p, t), e), _mm512_set1_ps(0.5f));
+  __m512 p = _mm512_set1_ps(0.5f * 1.061405429f);
+  p = _mm512_fmadd_ps(p, t, _mm512_set1_ps(0.5f * -1.453152027f));
+  p = _mm512_fmadd_ps(p, t, _mm512_set1_ps(0.5f * 1.421413741f));
+  p = _mm512_fmadd_ps(p, t, _mm512_set1_ps(0.5f * -0.284496736f));
+  p = _mm512_fmadd_ps(p, t, _mm512_set1_ps(0.5f * 0.254829592f));
+  const __m512 tail = _mm512_mul_ps(_mm512_mul_ps(p, t), e);
   const __mmask16 negative = _mm512_cmplt_ps_mask(x, _mm512_setzero_ps());
   return {_mm512_mask_mov_ps(_mm512_sub_ps(one, tail), negative, tail),
           _mm512_mul_ps(e, _mm512_set1_ps(0.39894228f))};
