@@ -120,31 +120,44 @@ struct Left {
   std::int64_t row, pair;
 };
 
-// c (Rows, 16 Vectors) (+)= a (Rows, 2 depth2) times one panel.
+// c (Rows, 16 Vectors) (+)= a (Rows, 2 depth2) times one panel. The loops over rows and vectors are
+// unrolled whole: otherwise GCC keeps the sums in memory at the end. Sums so far that lie far away
+// (of long products) are fetched ahead.
 template <int Rows, int Vectors>
 inline void tile(const Left& a, const std::uint16_t* b, std::int64_t depth2, float* c,
                  std::int64_t ldc, bool add) {
   __m512 sum[Rows][Vectors];
+#pragma GCC unroll 6
   for (int r = 0; r < Rows; ++r)
-    for (int v = 0; v < Vectors; ++v) sum[r][v] = _mm512_setzero_ps();
-  if (add && depth2 >= 64)  // the sums so far may lie far away
-    for (int r = 0; r < Rows; ++r)
-      for (int v = 0; v < Vectors; ++v)
+#pragma GCC unroll 4
+    for (int v = 0; v < Vectors; ++v) {
+      sum[r][v] = _mm512_setzero_ps();
+      if (add && depth2 >= 64)
         _mm_prefetch(reinterpret_cast<const char*>(c + r * ldc + v * kLanes), _MM_HINT_T0);
+    }
   const std::uint16_t* left = a.data;
   for (std::int64_t k = 0; k < depth2; ++k, left += a.pair) {
     __m512bh right[Vectors];
+#pragma GCC unroll 4
     for (int v = 0; v < Vectors; ++v) right[v] = pairs(b + (k * Vectors + v) * 2 * kLanes);
+#pragma GCC unroll 6
     for (int r = 0; r < Rows; ++r) {
       const __m512bh one = same_pair(left + r * a.row);
+#pragma GCC unroll 4
       for (int v = 0; v < Vectors; ++v) sum[r][v] = _mm512_dpbf16_ps(sum[r][v], one, right[v]);
     }
   }
+  if (add) {
+#pragma GCC unroll 6
+    for (int r = 0; r < Rows; ++r)
+#pragma GCC unroll 4
+      for (int v = 0; v < Vectors; ++v)
+        sum[r][v] = _mm512_add_ps(sum[r][v], _mm512_loadu_ps(c + r * ldc + v * kLanes));
+  }
+#pragma GCC unroll 6
   for (int r = 0; r < Rows; ++r)
-    for (int v = 0; v < Vectors; ++v) {
-      float* to = c + r * ldc + v * kLanes;
-      _mm512_storeu_ps(to, add ? _mm512_add_ps(sum[r][v], _mm512_loadu_ps(to)) : sum[r][v]);
-    }
+#pragma GCC unroll 4
+    for (int v = 0; v < Vectors; ++v) _mm512_storeu_ps(c + r * ldc + v * kLanes, sum[r][v]);
 }
 
 template <int Vectors>
