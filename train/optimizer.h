@@ -23,7 +23,9 @@ class Optimizer {
   ~Optimizer();
 
   void zero_grad();
-  // Clips the gradient to config.grad_clip and steps. Returns the norm before clipping.
+  // Clips the gradient to config.grad_clip and steps; parameters without a gradient stay. The
+  // gradients themselves may be left as they were. Returns
+  // the norm before clipping. On the CPU in one pass of its own, elsewhere LibTorch's.
   double step(double learning_rate);
 
   void save(const std::filesystem::path& path) const;

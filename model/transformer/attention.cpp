@@ -1,6 +1,7 @@
 #include "model/transformer/attention.h"
 
 #include <ATen/Parallel.h>
+#include <ATen/record_function.h>
 
 #include <cmath>
 #include <limits>
@@ -108,6 +109,7 @@ cpu::bf16* halves(const at::Tensor& tensor) {
 struct FusedAttention : torch::autograd::Function<FusedAttention> {
   static at::Tensor forward(AutogradContext* context, const at::Tensor& given, std::int64_t free,
                             double dropout) {
+    RECORD_USER_SCOPE("attention, forward");
     const at::Tensor qkv = given.contiguous();
     cpu::AttentionShape shape{qkv.size(0), qkv.size(1), qkv.size(3), qkv.size(4), free, dropout, 0};
     if (dropout > 0) shape.seed = random_seed();
@@ -126,6 +128,7 @@ struct FusedAttention : torch::autograd::Function<FusedAttention> {
   }
 
   static variable_list backward(AutogradContext* context, const variable_list& grads) {
+    RECORD_USER_SCOPE("attention, backward");
     const variable_list saved = context->get_saved_variables();
     const at::Tensor &qkv = saved[0], &out = saved[1], &log_sum = saved[2];
     const at::Tensor dout = grads[0].contiguous(), dqkv = at::empty_like(qkv);

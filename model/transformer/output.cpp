@@ -1,12 +1,14 @@
 #include "model/transformer/output.h"
 
 #include <ATen/Parallel.h>
+#include <ATen/record_function.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "model/input.h"
+#include "model/transformer/cpu/block.h"
 
 namespace mocaplm {
 
@@ -35,7 +37,7 @@ struct Row {
 };
 
 // Softmax in place; returns the log of the sum of exponentials.
-float softmax(float* z, std::int64_t n) {
+float plain_softmax(float* z, std::int64_t n) {
   const float top = *std::max_element(z, z + n);
   float sum = 0;
   for (std::int64_t i = 0; i < n; ++i) sum += z[i] = std::exp(z[i] - top);
@@ -47,6 +49,7 @@ struct FusedCrossEntropy : torch::autograd::Function<FusedCrossEntropy> {
   static at::Tensor forward(AutogradContext* context, const at::Tensor& absolute_in,
                             const at::Tensor& offsets_in, const at::Tensor& centre_in,
                             const at::Tensor& target_in, std::int64_t first, std::int64_t count) {
+    RECORD_USER_SCOPE("head and loss");
     const at::Tensor absolute = absolute_in.contiguous(), centre = centre_in.contiguous(),
                      target = target_in.contiguous(), offsets = offsets_in.contiguous();
     const std::int64_t rows = absolute.size(0), vocabulary = absolute.size(1);
@@ -56,6 +59,8 @@ struct FusedCrossEntropy : torch::autograd::Function<FusedCrossEntropy> {
     at::Tensor doffsets = width > 0 ? at::zeros_like(offsets) : at::Tensor();
     const auto* centres = centre.data_ptr<std::int64_t>();
     const auto* targets = target.data_ptr<std::int64_t>();
+    const cpu::BlockKernels* kernels = cpu::block_kernels();
+    const auto softmax = kernels != nullptr ? kernels->softmax : plain_softmax;
     at::parallel_for(0, rows, 64, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) {
         float* z = dabsolute.data_ptr<float>() + i * vocabulary;
@@ -84,6 +89,7 @@ struct FusedCrossEntropy : torch::autograd::Function<FusedCrossEntropy> {
 
   static variable_list backward(AutogradContext* context, const variable_list& grads) {
     const variable_list saved = context->get_saved_variables();
+    RECORD_USER_SCOPE("head and loss");
     const at::Tensor scale = grads[0].unsqueeze(1);
     return {saved[0] * scale, saved[1].defined() ? saved[1] * scale : at::Tensor(),
             at::Tensor(),     at::Tensor(),

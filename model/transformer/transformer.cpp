@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/transformer/attention.h"
 #include "model/transformer/dropout.h"
 
 namespace mocaplm {
@@ -64,6 +63,14 @@ at::Tensor Transformer::make(const std::string& name, at::IntArrayRef shape, dou
   return register_parameter(parameter_name(name), value);
 }
 
+LinearWeights Transformer::make_linear(const std::string& name, std::int64_t out, std::int64_t in,
+                                       double deviation) {
+  LinearWeights linear;
+  linear.weight = make(name + ".weight", {out, in}, deviation);
+  linear.bias = make(name + ".bias", {out}, 0);
+  return linear;
+}
+
 Transformer::Transformer(const ModelDescription& description) : description_(description) {
   check_model(description);
   const ModelConfig& c = description.config;
@@ -87,31 +94,19 @@ Transformer::Transformer(const ModelDescription& description) : description_(des
     BlockWeights b;
     b.ln1_w = make(at + "ln1.weight", {width}, 0, 1);
     b.ln1_b = make(at + "ln1.bias", {width}, 0);
-    b.qkv_w = make(at + "qkv.weight", {3 * width, width}, kDeviation);
-    b.qkv_b = make(at + "qkv.bias", {3 * width}, 0);
-    b.proj_w = make(at + "proj.weight", {width, width}, residual);
-    b.proj_b = make(at + "proj.bias", {width}, 0);
+    b.qkv = make_linear(at + "qkv", 3 * width, width, kDeviation);
+    b.proj = make_linear(at + "proj", width, width, residual);
     b.ln2_w = make(at + "ln2.weight", {width}, 0, 1);
     b.ln2_b = make(at + "ln2.bias", {width}, 0);
-    b.up_w = make(at + "up.weight", {4 * width, width}, kDeviation);
-    b.up_b = make(at + "up.bias", {4 * width}, 0);
-    b.down_w = make(at + "down.weight", {width, 4 * width}, residual);
-    b.down_b = make(at + "down.bias", {width}, 0);
+    b.up = make_linear(at + "up", 4 * width, width, kDeviation);
+    b.down = make_linear(at + "down", width, 4 * width, residual);
     blocks_.push_back(b);
   }
   ln_w_ = make("ln.weight", {width}, 0, 1);
   ln_b_ = make("ln.bias", {width}, 0);
-  head_w_ = make("head.weight", {description.shape.vocabulary, width}, kDeviation);
-  head_b_ = make("head.bias", {description.shape.vocabulary}, 0);
-  if (c.output == "extrapolation") {
-    offset_w_ = make("offset_head.weight", {sizes.offsets, width}, kDeviation);
-    offset_b_ = make("offset_head.bias", {sizes.offsets}, 0);
-  }
-}
-
-at::Tensor Transformer::linear(const at::Tensor& x, const at::Tensor& weight,
-                               const at::Tensor& bias) const {
-  return at::linear(x.to(precision_), weight.to(precision_), bias.to(precision_));
+  head_ = make_linear("head", description.shape.vocabulary, width, kDeviation);
+  if (c.output == "extrapolation")
+    offset_head_ = make_linear("offset_head", sizes.offsets, width, kDeviation);
 }
 
 at::Tensor Transformer::drop(const at::Tensor& x) const {
@@ -131,32 +126,20 @@ at::Tensor Transformer::embed(const Batch& batch) const {
   return x;
 }
 
-at::Tensor Transformer::block(const BlockWeights& w, const at::Tensor& x, std::int64_t free) const {
-  const std::int64_t batch = x.size(0), length = x.size(1), width = x.size(2);
-  const std::int64_t heads = description_.config.n_head;
-  const at::Tensor qkv = linear(at::layer_norm(x, {width}, w.ln1_w, w.ln1_b), w.qkv_w, w.qkv_b)
-                             .view({batch, length, 3, heads, width / heads});
-  const double dropout = is_training() ? description_.config.dropout : 0;
-  const at::Tensor attended =
-      packed_causal_attention(qkv, free, dropout).reshape({batch, length, width});
-  const at::Tensor middle = x + drop(linear(attended, w.proj_w, w.proj_b));
-  // The exact GELU: in bf16 LibTorch 1.13's tanh formula takes eight times as long on a CPU.
-  const at::Tensor up =
-      at::gelu(linear(at::layer_norm(middle, {width}, w.ln2_w, w.ln2_b), w.up_w, w.up_b));
-  return middle + drop(linear(up, w.down_w, w.down_b));
-}
-
 at::Tensor Transformer::hidden(const Batch& batch, const at::Tensor& extra) {
   at::Tensor x = drop(embed(batch));
   const std::int64_t free = extra.defined() ? extra.size(1) : 0;
   if (free > 0) x = at::cat({x, extra}, 1);
-  for (const BlockWeights& weights : blocks_) x = block(weights, x, free);
+  const ModelConfig& c = description_.config;
+  const BlockOptions options{c.n_head, free, is_training() ? c.dropout : 0, precision_};
+  for (const BlockWeights& weights : blocks_) x = transformer_block(weights, x, options);
   return at::layer_norm(x, {x.size(2)}, ln_w_, ln_b_);
 }
 
 std::pair<at::Tensor, at::Tensor> Transformer::heads(const at::Tensor& flat) const {
-  return {at::linear(flat, head_w_, head_b_),
-          offset_w_.defined() ? at::linear(flat, offset_w_, offset_b_) : at::Tensor()};
+  return {
+      output_linear(head_, flat, precision_),
+      offset_head_.weight.defined() ? output_linear(offset_head_, flat, precision_) : at::Tensor()};
 }
 
 at::Tensor Transformer::logits(const at::Tensor& hidden, const Batch& batch) {

@@ -8,6 +8,7 @@
 #include "model/config.h"
 #include "model/input.h"
 #include "model/safetensors.h"
+#include "model/transformer/block.h"
 #include "model/transformer/output.h"
 #include "model/transformer/torch.h"
 
@@ -44,23 +45,20 @@ class Transformer : public torch::nn::Module {
   const ModelDescription& description() const { return description_; }
 
  private:
-  struct BlockWeights {
-    at::Tensor ln1_w, ln1_b, qkv_w, qkv_b, proj_w, proj_b, ln2_w, ln2_b, up_w, up_b, down_w, down_b;
-  };
-
   at::Tensor embed(const Batch& batch) const;
-  at::Tensor block(const BlockWeights& weights, const at::Tensor& x, std::int64_t free) const;
-  at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) const;
   at::Tensor drop(const at::Tensor& x) const;
   at::Tensor make(const std::string& name, at::IntArrayRef shape, double deviation,
                   double mean = 0);
+  LinearWeights make_linear(const std::string& name, std::int64_t out, std::int64_t in,
+                            double deviation);
   std::pair<at::Tensor, at::Tensor> heads(const at::Tensor& flat) const;
 
   ModelDescription description_;
   at::ScalarType precision_ = at::kFloat;
   at::Tensor token_, frame_, channel_, position_, surprise_, velocity_, last_surprise_;
   std::vector<BlockWeights> blocks_;
-  at::Tensor ln_w_, ln_b_, head_w_, head_b_, offset_w_, offset_b_;
+  at::Tensor ln_w_, ln_b_;
+  LinearWeights head_, offset_head_;
 };
 
 }  // namespace mocaplm

@@ -69,17 +69,25 @@ TEST(Optimizer, StepsAreThoseOfAdamWWithDecayOnMatricesOnly) {
     EXPECT_LT((model.parameters()[i].detach() - plain[i].value).abs().max().item<double>(), 1e-4);
 }
 
-TEST(Optimizer, GradientsAreClippedToTheirNorm) {
-  Tiny model(5);
-  model.set_gradients(2, 10);
+double norm_of(const Tiny& model) {
   double square = 0;
   for (const at::Tensor& p : model.parameters()) square += p.grad().square().sum().item<double>();
-  Optimizer clipping(model, config(1.5)), free(model, config(0));
-  EXPECT_NEAR(free.step(0), std::sqrt(square), 1e-3);
-  EXPECT_NEAR(clipping.step(0), std::sqrt(square), 1e-3);
-  double after = 0;
-  for (const at::Tensor& p : model.parameters()) after += p.grad().square().sum().item<double>();
-  EXPECT_NEAR(std::sqrt(after), 1.5, 1e-3);
+  return std::sqrt(square);
+}
+
+TEST(Optimizer, GradientsAreClippedToTheirNorm) {
+  Tiny model(5), shrunk(5);
+  Optimizer clipping(model, config(1.5)), free(shrunk, config(0));
+  for (const double scale : {10.0, 0.01, 3.0}) {  // the second is short enough
+    model.set_gradients(2, scale);
+    shrunk.set_gradients(2, scale);
+    const double norm = norm_of(model);
+    for (at::Tensor p : shrunk.parameters()) p.mutable_grad().mul_(std::min(1.0, 1.5 / norm));
+    EXPECT_NEAR(clipping.step(0.1), norm, 1e-5 * norm);
+    free.step(0.1);
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_LT((model.parameters()[i] - shrunk.parameters()[i]).abs().max().item<double>(), 1e-5);
 }
 
 TEST(Optimizer, AGradientThatIsNotFiniteChangesNothing) {

@@ -21,21 +21,21 @@ float dot(const bf16* a, const bf16* b, std::int64_t width) {
 }
 
 // Room for one head at a time. Names: `across` is packed for sums along the width, `down` for sums
-// along the positions, `turned` is transposed.
+// along the positions.
 struct Room {
   explicit Room(const Sizes& n)
       : all(n.padded * n.width),
         all_wide(n.padded * n.wide),
-        scratch(3 * Scratch::bytes(all, 2) + 2 * Scratch::bytes(all_wide, 2) +
-                Scratch::bytes(all, 4) + 3 * Scratch::bytes(n.padded, 4) +
+        scratch(2 * Scratch::bytes(all, 2) + 3 * Scratch::bytes(all_wide, 2) +
+                Scratch::bytes(all_wide, 4) + 3 * Scratch::bytes(n.padded, 4) +
                 2 * Scratch::bytes(kBlock, 4) + 3 * Scratch::bytes(kBlock, 2) +
                 2 * Scratch::bytes(kPanel * n.wide, 4)),
         q_across(scratch.halves(all)),
         dout_across(scratch.halves(all)),
-        k_turned(scratch.halves(all)),
         q_down(scratch.halves(all_wide)),
         dout_down(scratch.halves(all_wide)),
-        dq_turned(scratch.floats(all)),
+        k_down(scratch.halves(all_wide)),
+        dq(scratch.floats(all_wide)),
         log_sum(scratch.floats(n.padded)),
         delta(scratch.floats(n.padded)),
         seeds(scratch.words(n.padded)),
@@ -49,16 +49,15 @@ struct Room {
 
   std::int64_t all, all_wide;
   Scratch scratch;
-  bf16 *q_across, *dout_across;  // panels of 64 queries
-  bf16* k_turned;                // (D, padded)
-  bf16 *q_down, *dout_down;      // blocks of 64 queries
-  float* dq_turned;              // [panel](D, 64)
-  float *log_sum, *delta;        // (padded); delta: sum of dout times out
-  std::uint32_t* seeds;          // (padded), of the dropout
-  float *scores, *dweights;      // (64, 64): keys by queries
-  bf16 *weights, *dscores;       // (64, 64)
-  bf16* dscores_down;
-  float *dk, *dv;  // (64, wide)
+  bf16 *q_across, *dout_across;       // panels of 64 queries
+  bf16 *q_down, *dout_down, *k_down;  // blocks of 64 positions
+  float* dq;                          // (padded, wide)
+  float *log_sum, *delta;             // (padded); in powers of two; delta: sum of dout times out
+  std::uint32_t* seeds;               // (padded), of the dropout
+  float *scores, *dweights;           // (64, 64): keys by queries
+  bf16 *weights, *dscores;            // (64, 64)
+  bf16* dscores_down;                 // pairs of keys
+  float *dk, *dv;                     // (64, wide)
 };
 
 // One head of one batch element.
@@ -74,22 +73,21 @@ struct Head {
     pack_transposed(dout, n.out_stride, n.length, n.width / 2, n.padded, room.dout_across);
     for (std::int64_t t = 0; t < n.length; t += kPanel) {
       const std::int64_t rows = n.length - t < kPanel ? n.length - t : kPanel;
-      pack_rows(q + t * n.stride, n.stride, rows, n.width, kPanel / 2, n.wide,
-                room.q_down + t * n.wide);
-      pack_rows(dout + t * n.out_stride, n.out_stride, rows, n.width, kPanel / 2, n.wide,
-                room.dout_down + t * n.wide);
+      const auto down = [&](const bf16* x, std::int64_t stride, bf16* to) {
+        pack_rows(x + t * stride, stride, rows, n.width, kPanel / 2, n.wide, to + t * n.wide);
+      };
+      down(q, n.stride, room.q_down);
+      down(k, n.stride, room.k_down);
+      down(dout, n.out_stride, room.dout_down);
     }
-    zero(room.k_turned, room.all);
-    zero(room.dq_turned, room.all);
+    zero(room.dq, room.all_wide);
     zero(room.log_sum, n.padded);
     zero(room.delta, n.padded);
     zero(room.seeds, n.padded);
     for (std::int64_t t = 0; t < n.length; ++t) {
-      for (std::int64_t c = 0; c < n.width; ++c)
-        room.k_turned[c * n.padded + t] = k[t * n.stride + c];
-      room.log_sum[t] = log_sum[t];
+      room.log_sum[t] = log_sum[t] * kLog2E;
       room.delta[t] = dot(dout + t * n.out_stride, out + t * n.out_stride, n.width);
-      room.seeds[t] = row_seed(seed, pair, t);
+      if (dropout.on) room.seeds[t] = row_seed(seed, pair, t);
     }
   }
 
@@ -98,21 +96,18 @@ struct Head {
     std::memset(values, 0, static_cast<std::size_t>(count) * sizeof(Value));
   }
 
-  // Weight (after dropout) and score gradient of key s for 16 queries from t on; their scores are
-  // at `at` of the block.
+  // Weight (after dropout) and score gradient (before the scale) of key s for 16 queries from t on;
+  // their scores are at `at` of the block. With All, every one of them sees the key.
   struct Lane {
     __m512 weight, dscore;
   };
+  template <bool All>
   Lane lane(std::int64_t s, std::int64_t t, std::int64_t at) const {
-    const __m512i query = counting(t);
-    const __mmask16 seen =
-        (_mm512_cmpge_epi32_mask(query, _mm512_set1_epi32(static_cast<int>(s))) |
-         _mm512_cmpge_epi32_mask(query, _mm512_set1_epi32(static_cast<int>(n.first_free)))) &
-        _mm512_cmplt_epi32_mask(query, _mm512_set1_epi32(static_cast<int>(n.length)));
-    const __m512 scale = _mm512_set1_ps(n.scale);
-    const __m512 x = _mm512_fmsub_ps(_mm512_loadu_ps(room.scores + at), scale,
-                                     _mm512_loadu_ps(room.log_sum + t));
-    const __m512 p = _mm512_maskz_mov_ps(seen, exponential(x));
+    const __m512 x =
+        _mm512_fmsub_ps(_mm512_loadu_ps(room.scores + at), _mm512_set1_ps(n.scale * kLog2E),
+                        _mm512_loadu_ps(room.log_sum + t));
+    __m512 p = power_of_two(x);
+    if (!All) p = _mm512_maskz_mov_ps(seen(s, counting(t)), p);
     __m512 dp = _mm512_loadu_ps(room.dweights + at), used = p;
     if (dropout.on) {
       const __m512 factor = dropout.factor(_mm512_loadu_si512(room.seeds + t),
@@ -121,27 +116,33 @@ struct Head {
       used = _mm512_mul_ps(p, factor);
     }
     const __m512 rest = _mm512_sub_ps(dp, _mm512_loadu_ps(room.delta + t));
-    return {used, _mm512_maskz_mul_ps(seen, _mm512_mul_ps(p, rest), scale)};
+    return {used, _mm512_mul_ps(p, rest)};
+  }
+  __mmask16 seen(std::int64_t s, __m512i query) const {
+    return (_mm512_cmpge_epi32_mask(query, _mm512_set1_epi32(static_cast<int>(s))) |
+            _mm512_cmpge_epi32_mask(query, _mm512_set1_epi32(static_cast<int>(n.first_free)))) &
+           _mm512_cmplt_epi32_mask(query, _mm512_set1_epi32(static_cast<int>(n.length)));
   }
 
   // Turns the block's scores and weight gradients into weights and score gradients.
+  template <bool All>
   void differentiate(std::int64_t s, std::int64_t keys, std::int64_t t) const {
     const Lane nothing{_mm512_setzero_ps(), _mm512_setzero_ps()};
     for (std::int64_t row = 0; row < kPanel; row += 2)
       for (std::int64_t c = 0; c < kPanel; c += kLanes) {
-        const std::int64_t one_at = row * kPanel + c, two_at = one_at + kPanel;
-        const Lane one = row < keys ? lane(s + row, t + c, one_at) : nothing;
-        const Lane two = row + 1 < keys ? lane(s + row + 1, t + c, two_at) : nothing;
-        store(room.weights + one_at, one.weight);
-        store(room.weights + two_at, two.weight);
-        store(room.dscores + one_at, one.dscore);
-        store(room.dscores + two_at, two.dscore);
-        _mm512_storeu_si512(room.dscores_down + (row / 2 * kPanel + c) * 2,
-                            interleaved(one.dscore, two.dscore));
+        const std::int64_t at = row * kPanel + c;
+        const Lane one = row < keys ? lane<All>(s + row, t + c, at) : nothing;
+        const Lane two = row + 1 < keys ? lane<All>(s + row + 1, t + c, at + kPanel) : nothing;
+        const __m512i dscores = to_bf16(one.dscore, two.dscore);
+        store(room.weights + at, to_bf16(one.weight, two.weight));
+        store(room.dscores + at, dscores);
+        _mm512_storeu_si512(room.dscores_down + (row / 2 * kPanel + c) * 2, interleaved(dscores));
       }
   }
-  static void store(bf16* to, __m512 x) {
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), to_bf16(x));
+  // The halves of x into a row and the next.
+  static void store(bf16* to, __m512i x) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm512_castsi512_si256(x));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + kPanel), _mm512_extracti64x4_epi64(x, 1));
   }
 
   // Up to 64 keys from s on, against all queries that see any of them.
@@ -153,31 +154,31 @@ struct Head {
     for (std::int64_t t = 0; t < n.length; t += kPanel) {
       const std::int64_t end = t + kPanel < n.length ? t + kPanel : n.length;
       if (n.limit(end - 1) <= s) continue;
-      product(k + s * n.stride, n.stride, keys, {room.q_across + t * n.width, half, kPanel, half},
-              room.scores, kPanel, false);
-      product(v + s * n.stride, n.stride, keys,
+      product({k + s * n.stride, n.stride, 2}, keys,
+              {room.q_across + t * n.width, half, kPanel, half}, room.scores, kPanel, false);
+      product({v + s * n.stride, n.stride, 2}, keys,
               {room.dout_across + t * n.width, half, kPanel, half}, room.dweights, kPanel, false);
-      differentiate(s, keys, t);
-      product(room.weights, kPanel, keys, {room.dout_down + t * n.wide, pairs, n.wide, pairs},
+      if (t > s && t + kPanel <= n.length)
+        differentiate<true>(s, kPanel, t);
+      else
+        differentiate<false>(s, keys, t);
+      product({room.weights, kPanel, 2}, keys, {room.dout_down + t * n.wide, pairs, n.wide, pairs},
               room.dv, n.wide, true);
-      product(room.dscores, kPanel, keys, {room.q_down + t * n.wide, pairs, n.wide, pairs}, room.dk,
-              n.wide, true);
-      product(room.k_turned + s, n.padded, n.width, {room.dscores_down, pairs, kPanel, pairs},
-              room.dq_turned + t * n.width, kPanel, true);
+      product({room.dscores, kPanel, 2}, keys, {room.q_down + t * n.wide, pairs, n.wide, pairs},
+              room.dk, n.wide, true);
+      product({room.dscores_down, 2, 2 * kPanel}, end - t,
+              {room.k_down + s * n.wide, pairs, n.wide, pairs}, room.dq + t * n.wide, n.wide, true);
     }
     for (std::int64_t row = 0; row < keys; ++row) {
-      store_row(room.dk + row * n.wide, _mm512_set1_ps(1), n.width, dk + (s + row) * n.stride);
+      store_row(room.dk + row * n.wide, _mm512_set1_ps(n.scale), n.width,
+                dk + (s + row) * n.stride);
       store_row(room.dv + row * n.wide, _mm512_set1_ps(1), n.width, dv + (s + row) * n.stride);
     }
   }
 
   void write_dq() const {
-    float row[kMaxWidth];
-    for (std::int64_t t = 0; t < n.length; ++t) {
-      const float* from = room.dq_turned + t / kPanel * kPanel * n.width + t % kPanel;
-      for (std::int64_t c = 0; c < n.width; ++c) row[c] = from[c * kPanel];
-      store_row(row, _mm512_set1_ps(1), n.width, dq + t * n.stride);
-    }
+    for (std::int64_t t = 0; t < n.length; ++t)
+      store_row(room.dq + t * n.wide, _mm512_set1_ps(n.scale), n.width, dq + t * n.stride);
   }
 };
 

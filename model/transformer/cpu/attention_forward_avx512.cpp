@@ -18,12 +18,13 @@ RowSum softmax_row(const float* scores, std::int64_t n, std::int64_t columns, fl
   for (std::int64_t c = 0; c < n; c += kLanes)
     top = _mm512_mask_max_ps(top, first_lanes(n - c), top, _mm512_loadu_ps(scores + c));
   const float most = _mm512_reduce_max_ps(top);
-  const __m512 factor = _mm512_set1_ps(scale), shift = _mm512_set1_ps(most);
+  // 2^(step score - shift) is e^(scale (score - most))
+  const __m512 step = _mm512_set1_ps(scale * kLog2E), shift = _mm512_set1_ps(scale * kLog2E * most);
   __m512 sum = _mm512_setzero_ps();
   std::int64_t c = 0;
   for (; c < n; c += kLanes) {
-    __m512 x = _mm512_mul_ps(_mm512_sub_ps(_mm512_loadu_ps(scores + c), shift), factor);
-    x = _mm512_maskz_mov_ps(first_lanes(n - c), exponential(x));
+    __m512 x = power_of_two(_mm512_fmsub_ps(_mm512_loadu_ps(scores + c), step, shift));
+    if (c + kLanes > n) x = _mm512_maskz_mov_ps(first_lanes(n - c), x);
     sum = _mm512_add_ps(sum, x);
     if (dropout.on)
       x = _mm512_mul_ps(x, dropout.factor(_mm512_set1_epi32(static_cast<int>(seed)), counting(c)));
@@ -58,8 +59,8 @@ void attention_forward(const AttentionShape& shape, const bf16* qkv, bf16* out, 
     for (std::int64_t t = 0; t < n.length; t += kQueries) {
       const std::int64_t count = n.length - t < kQueries ? n.length - t : kQueries;
       const std::int64_t columns = round_up(n.limit(t + count - 1), kPanel);
-      product(q + t * n.stride, n.stride, count, {keys, n.width / 2, columns, n.width / 2}, scores,
-              row, false);
+      product({q + t * n.stride, n.stride, 2}, count, {keys, n.width / 2, columns, n.width / 2},
+              scores, row, false);
       float rest[kQueries];
       for (std::int64_t r = 0; r < count; ++r) {
         const RowSum sum = softmax_row(scores + r * row, n.limit(t + r), columns, n.scale, dropout,
@@ -67,7 +68,7 @@ void attention_forward(const AttentionShape& shape, const bf16* qkv, bf16* out, 
         rest[r] = 1 / sum.sum;
         log_sum[pair * n.length + t + r] = sum.top * n.scale + std::log(sum.sum);
       }
-      product(weights, row, count, {values, n.padded / 2, n.wide, columns / 2}, sums, n.wide,
+      product({weights, row, 2}, count, {values, n.padded / 2, n.wide, columns / 2}, sums, n.wide,
               false);
       for (std::int64_t r = 0; r < count; ++r)
         store_row(sums + r * n.wide, _mm512_set1_ps(rest[r]), n.width, to + (t + r) * n.out_stride);

@@ -31,36 +31,6 @@ struct Sizes {
   float scale;
 };
 
-// One piece of memory, handed out in parts that begin on cache lines.
-class Scratch {
- public:
-  explicit Scratch(std::int64_t bytes)
-      : data_(static_cast<char*>(std::aligned_alloc(64, static_cast<std::size_t>(bytes)))) {
-    if (data_ == nullptr) std::abort();
-  }
-  ~Scratch() { std::free(data_); }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  static std::int64_t bytes(std::int64_t count, std::int64_t size) {
-    return round_up(count * size, 64);
-  }
-  float* floats(std::int64_t count) { return reinterpret_cast<float*>(take(bytes(count, 4))); }
-  bf16* halves(std::int64_t count) { return reinterpret_cast<bf16*>(take(bytes(count, 2))); }
-  std::uint32_t* words(std::int64_t count) {
-    return reinterpret_cast<std::uint32_t*>(take(bytes(count, 4)));
-  }
-
- private:
-  char* take(std::int64_t size) {
-    char* part = data_ + used_;
-    used_ += size;
-    return part;
-  }
-  char* data_;
-  std::int64_t used_ = 0;
-};
-
 // Factors of dropout for 16 weights: rows' seeds and keys as vectors.
 struct Dropout {
   explicit Dropout(double p)
@@ -87,11 +57,6 @@ struct Dropout {
 inline __m512i counting(std::int64_t from) {
   return _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(from)),
                           _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
-}
-
-// The first n of 16 lanes.
-inline __mmask16 first_lanes(std::int64_t n) {
-  return static_cast<__mmask16>(n >= kLanes ? 0xFFFF : n <= 0 ? 0 : (1 << n) - 1);
 }
 
 // x (width) times factor, as bf16.

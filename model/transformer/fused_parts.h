@@ -1,0 +1,62 @@
+// What the autograd functions around the kernels of cpu/block.h share.
+#pragma once
+
+#include <ATen/Parallel.h>
+#include <ATen/record_function.h>
+
+#include <algorithm>
+
+#include "model/transformer/cpu/block.h"
+#include "model/transformer/packed_weights.h"
+#include "model/transformer/torch.h"
+
+namespace mocaplm {
+
+inline cpu::bf16* halves(const at::Tensor& tensor) {
+  return reinterpret_cast<cpu::bf16*>(tensor.data_ptr<at::BFloat16>());
+}
+inline float* floats(const at::Tensor& tensor) {
+  return tensor.data_ptr<float>();
+}
+inline at::Tensor half_matrix(std::int64_t rows, std::int64_t columns) {
+  return at::empty({rows, columns}, at::kBFloat16);
+}
+inline at::Tensor float_matrix(std::int64_t rows, std::int64_t columns) {
+  return at::empty({rows, columns}, at::kFloat);
+}
+
+// Calls step(first, last, part) for blocks of rows: the same blocks for any number of threads.
+template <class Step>
+void over_rows(std::int64_t rows, const Step& step) {
+  const std::int64_t parts = (rows + cpu::kBlockRows - 1) / cpu::kBlockRows;
+  at::parallel_for(0, parts, 1, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t part = begin; part < end; ++part)
+      step(part * cpu::kBlockRows, std::min((part + 1) * cpu::kBlockRows, rows), part);
+  });
+}
+
+// x (M, in) w^T and dy (M, out) w.
+inline cpu::Product times_transposed(const at::Tensor& x, const LinearWeights& w) {
+  return {halves(x), x.size(1), halves(w.packed->forward(w.weight)), w.weight.size(0)};
+}
+inline cpu::Product times(const at::Tensor& dy, const LinearWeights& w) {
+  return {halves(dy), dy.size(1), halves(w.packed->backward(w.weight)), w.weight.size(1)};
+}
+
+struct LinearGradient {
+  at::Tensor weight, bias;
+};
+// dy (M, at least out), x (M, in) in bf16.
+inline LinearGradient linear_gradient(const at::Tensor& dy, const at::Tensor& x,
+                                      const LinearWeights& w) {
+  RECORD_USER_SCOPE("linears, weights");
+  const std::int64_t rows = w.weight.size(0), columns = w.weight.size(1);
+  const LinearGradient out{float_matrix(rows, columns), at::empty({rows}, at::kFloat)};
+  at::parallel_for(0, cpu::gradient_tasks(rows, columns), 1, [&](std::int64_t a, std::int64_t b) {
+    cpu::block_kernels()->weight_gradient(halves(dy), dy.size(1), halves(x), x.size(0), rows,
+                                          columns, floats(out.weight), floats(out.bias), a, b);
+  });
+  return out;
+}
+
+}  // namespace mocaplm
