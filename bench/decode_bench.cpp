@@ -67,7 +67,7 @@ double reading_seconds(std::int64_t bytes, Team& team) {
 }
 
 struct Case {
-  const char* model;
+  char model;
   Precision precision;
   std::int64_t context, batch;
   double goal = 0;  // of the ratio, or
@@ -97,13 +97,13 @@ std::pair<double, double> step_seconds(Engine& engine, const Case& c) {
 }
 
 Json measure(const Case& c) {
-  const StoredModel model = bench_model(*c.model);
+  const StoredModel model = bench_model(c.model);
   Engine engine(model, "bench", {c.precision, 0, c.batch});
   const auto [seconds, prompt_rate] = step_seconds(engine, c);
   Team team(0);
   const double limit_seconds = reading_seconds(engine.bytes_a_step(c.context), team);
   const auto batch = static_cast<double>(c.batch);
-  const std::string name = std::string(c.model) + " " + to_string(c.precision) + ", context " +
+  const std::string name = std::string(1, c.model) + " " + to_string(c.precision) + ", context " +
                            std::to_string(c.context) + ", batch " + std::to_string(c.batch);
   Json row = {{"name", name},
               {"value", batch / seconds},
@@ -126,16 +126,16 @@ Json measure(const Case& c) {
 
 std::vector<Case> cases() {
   using P = Precision;
-  return {{"A", P::f32, 512, 1},
-          {"A", P::bf16, 512, 1, 0.6},
-          {"A", P::int8, 512, 1, 0.5},
-          {"A", P::bf16, 1000, 1},
-          {"A", P::int8, 1000, 1},
-          {"A", P::bf16, 512, 16},
-          {"A", P::int8, 512, 16, 0, 2500},
-          {"B", P::f32, 512, 1},
-          {"B", P::bf16, 512, 1, 0, 15000},
-          {"B", P::int8, 512, 1, 0, 15000}};
+  return {{'A', P::f32, 512, 1},
+          {'A', P::bf16, 512, 1, 0.6},
+          {'A', P::int8, 512, 1, 0.5},
+          {'A', P::bf16, 1000, 1},
+          {'A', P::int8, 1000, 1},
+          {'A', P::bf16, 512, 16},
+          {'A', P::int8, 512, 16, 0, 2500},
+          {'B', P::f32, 512, 1},
+          {'B', P::bf16, 512, 1, 0, 15000},
+          {'B', P::int8, 512, 1, 0, 15000}};
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 
 namespace mocaplm {
 
-Generator::Dance::Dance(std::size_t index, const GenerateRequest& request, Engine& engine,
-                        const Tokenizer& tokenizer, const OnFrame& on_frame)
+DanceInMaking::DanceInMaking(std::size_t index, const GenerateRequest& request, Engine& engine,
+                             const Tokenizer& tokenizer, const Generator::OnFrame& on_frame)
     : index_(index),
       labels_(request.labels),
       engine_(engine),
@@ -16,20 +16,20 @@ Generator::Dance::Dance(std::size_t index, const GenerateRequest& request, Engin
       sampler_(request.sampling),
       per_frame_(static_cast<std::size_t>(tokenizer.tokens_per_frame())) {}
 
-void Generator::Dance::begin(std::int64_t sequence) {
+void DanceInMaking::begin(std::int64_t sequence) {
   sequence_ = sequence;
   engine_.reset(sequence);
   pending_ = window_input(engine_.description(), prefix_, ids_, 0, 0);
 }
 
-std::int32_t Generator::Dance::known() const {
+std::int32_t DanceInMaking::known() const {
   const std::size_t at = ids_.size();
   if (at % per_frame_ + 1 == per_frame_)
     return Tokenizer::kSeparator;  // nowhere else, and nothing else here
   return at < plan_.given.size() ? plan_.given[at] : kFree;
 }
 
-void Generator::Dance::advance() {
+void DanceInMaking::advance() {
   while (!done()) {
     const std::int32_t next = known();
     if (next == kFree) return;
@@ -37,13 +37,13 @@ void Generator::Dance::advance() {
   }
 }
 
-void Generator::Dance::choose(const std::vector<float>& logits) {
+void DanceInMaking::choose(const std::vector<float>& logits) {
   const std::int32_t id = sampler_.pick(logits, Tokenizer::kFirstBin, tokenizer_.bins());
   pending_ = ModelInput();
   push(id);
 }
 
-void Generator::Dance::push(std::int32_t id) {
+void DanceInMaking::push(std::int32_t id) {
   ids_.push_back(id);
   const auto waiting = static_cast<std::int64_t>(pending_.size());
   if (engine_.length(sequence_) + waiting >= engine_.capacity()) slide();
@@ -53,7 +53,7 @@ void Generator::Dance::push(std::int32_t id) {
 
 // Past the context the older half of the frames is forgotten, whole frames at a time; the
 // conditions stay.
-void Generator::Dance::slide() {
+void DanceInMaking::slide() {
   const std::vector<std::int32_t> before(ids_.begin(), ids_.end() - 1);
   const std::size_t frames =
       (static_cast<std::size_t>(engine_.capacity()) - prefix_.size()) / per_frame_;
@@ -67,7 +67,7 @@ void Generator::Dance::slide() {
 }
 
 // The last frame, standing where the one before leaves it.
-void Generator::Dance::tell_frame() {
+void DanceInMaking::tell_frame() {
   const std::size_t frame = ids_.size() / per_frame_ - 1;
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
   if (!path_.empty())
@@ -85,7 +85,7 @@ void Generator::Dance::tell_frame() {
   on_frame_(told);
 }
 
-GenerateResult Generator::Dance::result() const {
+GenerateResult DanceInMaking::result() const {
   GenerateResult result;
   const Eigen::Vector3d start = plan_.prompt.frames() > 0
                                     ? Eigen::Vector3d(plan_.prompt.trans.row(0))

@@ -7,10 +7,10 @@
 
 namespace mocaplm {
 
-class Generator::Dance {
+class DanceInMaking {
  public:
-  Dance(std::size_t index, const GenerateRequest& request, Engine& engine,
-        const Tokenizer& tokenizer, const OnFrame& on_frame);
+  DanceInMaking(std::size_t index, const GenerateRequest& request, Engine& engine,
+                const Tokenizer& tokenizer, const Generator::OnFrame& on_frame);
 
   // Takes a sequence of the engine, from its start.
   void begin(std::int64_t sequence);
@@ -34,7 +34,7 @@ class Generator::Dance {
   Labels labels_;
   Engine& engine_;
   const Tokenizer& tokenizer_;
-  const OnFrame& on_frame_;
+  const Generator::OnFrame& on_frame_;
   GeneratePlan plan_;
   std::vector<std::int32_t> prefix_, ids_;
   Sampler sampler_;

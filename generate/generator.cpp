@@ -32,22 +32,22 @@ GenerateResult Generator::generate(const GenerateRequest& request, const OnFrame
 
 std::vector<GenerateResult> Generator::generate(const std::vector<GenerateRequest>& requests,
                                                 const OnFrame& on_frame) {
-  std::vector<Dance> dances;
+  std::vector<DanceInMaking> dances;
   for (const GenerateRequest& request : requests)
     dances.emplace_back(dances.size(), request, engine_, tokenizer_, on_frame);
   decode(dances);
   std::vector<GenerateResult> results;
-  for (const Dance& dance : dances) results.push_back(dance.result());
+  for (const DanceInMaking& dance : dances) results.push_back(dance.result());
   return results;
 }
 
 // A dance that ends gives its sequence to the next one that waits.
-void Generator::decode(std::vector<Dance>& dances) {
-  std::vector<Dance*> active;
+void Generator::decode(std::vector<DanceInMaking>& dances) {
+  std::vector<DanceInMaking*> active;
   std::vector<std::int64_t> free;
   for (std::int64_t s = engine_.sequences(); s-- > 0;) free.push_back(s);
   auto next = dances.begin();
-  const auto ended = [&](Dance* dance) {
+  const auto ended = [&](DanceInMaking* dance) {
     dance->advance();
     if (dance->done()) free.push_back(dance->sequence());
     return dance->done();
@@ -61,7 +61,7 @@ void Generator::decode(std::vector<Dance>& dances) {
     }
     if (active.empty()) return;
     std::vector<Engine::Feed> feeds;
-    for (const Dance* dance : active) feeds.push_back(dance->feed());
+    for (const DanceInMaking* dance : active) feeds.push_back(dance->feed());
     const auto& logits = engine_.feed(feeds);
     for (std::size_t i = 0; i < active.size(); ++i) active[i]->choose(logits[i]);
   }

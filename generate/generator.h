@@ -27,6 +27,8 @@ struct GeneratedFrame {
   Clip pose;                  // one frame
 };
 
+class DanceInMaking;
+
 class Generator {
  public:
   // Throws DataError when model and tokenizer do not belong together.
@@ -46,8 +48,7 @@ class Generator {
   const Engine& engine() const { return engine_; }
 
  private:
-  class Dance;
-  void decode(std::vector<Dance>& dances);
+  void decode(std::vector<DanceInMaking>& dances);
 
   Engine engine_;
   Tokenizer tokenizer_;

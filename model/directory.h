@@ -1,10 +1,11 @@
 // A model on disk:
-//   config.json        ModelDescription
-//   model.safetensors  the weights, f32
-//   tokenizer.json     the tokenizer it speaks, whose fingerprint config.json repeats
-//   selftest.json      a few windows of tokens with the logits expected for them, rerun at load
-//   optimizer.pt, state.json   only where training can be resumed
-//   complete           written last: the size and hash of every file above
+//   config.json            ModelDescription
+//   model.safetensors      the weights, f32
+//   tokenizer.json         the tokenizer it speaks, whose fingerprint config.json repeats
+//   selftest.json          a few windows of tokens with the logits expected for them, rerun at load
+//   optimizer.safetensors  AdamW's state, and
+//   state.json             where training stood: only where it can be resumed
+//   complete               written last: the size and hash of every file above
 #pragma once
 
 #include <filesystem>

@@ -2,14 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
+#include <string>
+#include <vector>
 
 #include "model/transformer/torch.h"
+#include "train/adamw.h"
 #include "train/config.h"
-
-namespace torch::optim {
-class AdamW;
-}
 
 namespace mocaplm {
 
@@ -20,21 +18,24 @@ double scheduled_rate(const TrainConfig& config, std::int64_t step, double progr
 class Optimizer {
  public:
   Optimizer(const torch::nn::Module& module, const TrainConfig& config);
-  ~Optimizer();
 
   void zero_grad();
-  // Clips the gradient to config.grad_clip and steps; parameters without a gradient stay. The
-  // gradients themselves may be left as they were. Returns
-  // the norm before clipping. On the CPU in one pass of its own, elsewhere LibTorch's.
+  // Clips the gradient to config.grad_clip and steps; parameters without a gradient stay, and so
+  // does everything when the norm is not finite. Returns the norm before clipping.
   double step(double learning_rate);
 
+  // A safetensors file: first.NAME, second.NAME (the moving averages) and steps.NAME for each
+  // parameter that ever had a gradient.
   void save(const std::filesystem::path& path) const;
-  // Throws DataError when the file is damaged or belongs to another model.
+  // Throws DataError when the file is damaged or belongs to another model; then nothing changes.
   void load(const std::filesystem::path& path);
 
  private:
-  std::unique_ptr<torch::optim::AdamW> adamw_;
   std::vector<at::Tensor> parameters_;
+  std::vector<std::string> names_;
+  std::vector<double> decays_;
+  std::vector<AdamWState> states_;
+  AdamWRates rates_;
   double grad_clip_;
 };
 

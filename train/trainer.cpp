@@ -224,7 +224,7 @@ class Run {
         if (!std::isfinite(logit)) diverged("a logit");
     save_model(path, stored, [&](const fs::path& directory) {
       if (!resumable) return;
-      optimizer_.save(directory / "optimizer.pt");
+      optimizer_.save(directory / "optimizer.safetensors");
       save_json(
           directory / "state.json",
           {{"step", done_.step},
@@ -242,7 +242,7 @@ class Run {
     done_.seconds = state.number("seconds", 0);
     smooth_ = state.number("smooth");
     state.finish();
-    optimizer_.load(last / "optimizer.pt");
+    optimizer_.load(last / "optimizer.safetensors");
   }
 
   TrainOptions options_;

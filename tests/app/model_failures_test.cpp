@@ -86,7 +86,7 @@ TEST_F(Damaged, InfoSpeaksOfModelsItCannotRead) {
 }
 
 TEST_F(Damaged, ResumeNamesWhatIsBroken) {
-  for (const char* file : {"last/optimizer.pt", "last/state.json", "settings.json"}) {
+  for (const char* file : {"last/optimizer.safetensors", "last/state.json", "settings.json"}) {
     make_bad("run", [&](const fs::path& bad) {
       fs::resize_file(bad / file, fs::file_size(bad / file) / 2);
     });

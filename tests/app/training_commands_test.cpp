@@ -16,7 +16,8 @@ std::string prompt() {
 
 TEST_F(TrainingCommands, ARunHoldsModelsALogAndItsSettings) {
   for (const char* run : {"run", "tuned"})
-    for (const char* file : {"settings.json", "log.jsonl", "best/complete", "last/optimizer.pt"})
+    for (const char* file :
+         {"settings.json", "log.jsonl", "best/complete", "last/optimizer.safetensors"})
       EXPECT_TRUE(fs::exists(path(run) / file)) << run << "/" << file;
   EXPECT_EQ(load_json(path("run/best/config.json"))["conditions"].size(), 0u);
   EXPECT_EQ(load_json(path("tuned/best/config.json"))["conditions"].size(), 5u);

@@ -178,8 +178,8 @@ TEST_F(ModelDirectory, OddSelfTestsAreRefused) {
 TEST_F(ModelDirectory, AFailedSaveLeavesTheOldModel) {
   EXPECT_THROW(save_model(path_, some_model(2),
                           [](const fs::path& directory) {
-                            put((directory / "optimizer.pt").string(), "half");
-                            throw DataError(in_file("optimizer.pt"), "the disk is full");
+                            put((directory / "optimizer.safetensors").string(), "half");
+                            throw DataError(in_file("optimizer.safetensors"), "the disk is full");
                           }),
                DataError);
   expect_same(load_model(path_), model_);

@@ -51,22 +51,27 @@ struct PlainAdamW {
   }
 };
 
+// f32 takes one pass of our own, everything else LibTorch's operations.
 TEST(Optimizer, StepsAreThoseOfAdamWWithDecayOnMatricesOnly) {
-  Tiny model(5);
-  Optimizer optimizer(model, config());
-  std::vector<PlainAdamW> plain;
-  for (const at::Tensor& p : model.parameters())
-    plain.push_back({p.detach().to(at::kDouble).clone(), at::zeros_like(p, at::kDouble),
-                     at::zeros_like(p, at::kDouble), p.is_same(model.matrix) ? 0.3 : 0.0});
-  for (int t = 1; t <= 20; ++t) {
-    model.set_gradients(static_cast<std::uint64_t>(t));
-    const double rate = 0.01 * t;
+  for (const at::ScalarType type : {at::kFloat, at::kDouble}) {
+    Tiny model(5);
+    model.to(type);
+    Optimizer optimizer(model, config());
+    std::vector<PlainAdamW> plain;
+    for (const at::Tensor& p : model.parameters())
+      plain.push_back({p.detach().to(at::kDouble).clone(), at::zeros_like(p, at::kDouble),
+                       at::zeros_like(p, at::kDouble), p.is_same(model.matrix) ? 0.3 : 0.0});
+    for (int t = 1; t <= 20; ++t) {
+      model.set_gradients(static_cast<std::uint64_t>(t));
+      const double rate = 0.01 * t;
+      for (std::size_t i = 0; i < plain.size(); ++i)
+        plain[i].step(model.parameters()[i].grad().to(at::kDouble), rate, t);
+      optimizer.step(rate);
+    }
     for (std::size_t i = 0; i < plain.size(); ++i)
-      plain[i].step(model.parameters()[i].grad().to(at::kDouble), rate, t);
-    optimizer.step(rate);
+      EXPECT_LT((model.parameters()[i].detach() - plain[i].value).abs().max().item<double>(), 1e-4)
+          << type;
   }
-  for (std::size_t i = 0; i < plain.size(); ++i)
-    EXPECT_LT((model.parameters()[i].detach() - plain[i].value).abs().max().item<double>(), 1e-4);
 }
 
 double norm_of(const Tiny& model) {
@@ -114,12 +119,12 @@ TEST(Optimizer, GoesOnFromItsFileAsIfNothingHadHappened) {
   Tiny a(5), b(5);
   Optimizer first(a, config()), second(b, config());
   some_steps(a, first, 3);
-  first.save(folder / "optimizer.pt");
+  first.save(folder / "optimizer.safetensors");
   {
     const at::NoGradGuard no_grad;
     for (std::size_t i = 0; i < 3; ++i) b.parameters()[i].copy_(a.parameters()[i]);
   }
-  second.load(folder / "optimizer.pt");
+  second.load(folder / "optimizer.safetensors");
   some_steps(a, first, 2);
   some_steps(b, second, 2);
   for (std::size_t i = 0; i < 3; ++i)
@@ -131,14 +136,15 @@ TEST(Optimizer, AnotherModelsStateIsRefused) {
   Tiny wide(7), narrow(5);
   Optimizer first(wide, config()), second(narrow, config());
   some_steps(wide, first, 2);
-  first.save(folder / "optimizer.pt");
-  const std::string message = refusal<DataError>([&] { second.load(folder / "optimizer.pt"); });
-  EXPECT_TRUE(contains(message, "optimizer.pt")) << message;
+  first.save(folder / "optimizer.safetensors");
+  const std::string message =
+      refusal<DataError>([&] { second.load(folder / "optimizer.safetensors"); });
+  EXPECT_TRUE(contains(message, "optimizer.safetensors")) << message;
 }
 
 TEST(Optimizer, DamagedFilesAreReadOrRefused) {
   const TemporaryFolder folder;
-  const std::string file = (folder / "optimizer.pt").string();
+  const std::string file = (folder / "optimizer.safetensors").string();
   Tiny model(5);
   Optimizer optimizer(model, config());
   some_steps(model, optimizer, 2);
@@ -155,10 +161,10 @@ TEST(Optimizer, DamagedFilesAreReadOrRefused) {
     put(file, damaged);
     Tiny fresh(5);
     Optimizer other(fresh, config());
-    refusals += reads_or_refuses([&] { other.load(file); }, "optimizer.pt") ? 0 : 1;
+    refusals += reads_or_refuses([&] { other.load(file); }, "optimizer.safetensors") ? 0 : 1;
   }
   EXPECT_GT(refusals, 100);
-  refusal<DataError>([&] { optimizer.load(folder / "absent.pt"); });
+  refusal<DataError>([&] { optimizer.load(folder / "absent.safetensors"); });
 }
 
 }  // namespace

@@ -286,7 +286,7 @@ TEST_F(Training, DamagedCheckpointsAreRefused) {
   o.stop_after_step = 2;
   train(o);
   o.resume = true;
-  for (const std::string name : {"optimizer.pt", "state.json", "model.safetensors"}) {
+  for (const std::string name : {"optimizer.safetensors", "state.json", "model.safetensors"}) {
     const fs::path file = o.out / "last" / name;
     const std::string bytes = read_file(file);
     put(file.string(), bytes.substr(0, bytes.size() - 9));
