@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 
 #include "common/error.h"
+#include "common/files.h"
 #include "common/json.h"
+
+namespace fs = std::filesystem;
 
 namespace mocaplm {
 
@@ -16,6 +20,13 @@ FrameStream::FrameStream(double fps, std::size_t dances, const std::string& file
   file_.open(file, std::ios::binary);
   if (!file_) throw DataError(in_file(file), "cannot be written");
   out_ = &file_;
+}
+
+void FrameStream::check(const std::string& file) {
+  if (file == "-" || fs::is_fifo(file) || fs::is_character_file(file)) return;
+  if (fs::exists(file))
+    throw UsageError("--stream: " + file + " is already there; give a new file, a pipe, or -");
+  check_writable(file);
 }
 
 std::string FrameStream::note() const {

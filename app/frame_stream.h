@@ -17,6 +17,10 @@ class FrameStream {
   // output, empty none. Throws DataError when it cannot be written.
   FrameStream(double fps, std::size_t dances, const std::string& file = "");
 
+  // Frames go straight into the file, so nothing that is there may be in their way; a pipe may.
+  // Throws UsageError for a file that exists, DataError for one that cannot be written.
+  static void check(const std::string& file);
+
   void tell(const GeneratedFrame& frame);
   void finish();
 

@@ -46,7 +46,7 @@ void check_out(const GenerateCommand& command) {
       check_writable(file);
     }
   check_writable(command.json);
-  if (command.stream != "-") check_writable(command.stream);
+  FrameStream::check(command.stream);
 }
 
 // Writes the files; returns what is told of them.

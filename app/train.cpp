@@ -46,11 +46,11 @@ void run_train(const CLI::App& app, TrainCommand& command) {
   std::fflush(stdout);
   const TrainResult result = train(options);
   std::printf(
-      "%lld parameters, %lld steps in %s, %.0f tokens/s; best validation %.2f bits/frame\nmodel: "
-      "%s\n",
+      "%lld parameters, %lld steps in %s, %.0f tokens/s, waited %.1f s for data; best validation "
+      "%.2f bits/frame\nmodel: %s\n",
       static_cast<long long>(result.parameters), static_cast<long long>(result.steps),
-      format_duration(result.seconds).c_str(), result.tokens_per_second, result.best_bits_per_frame,
-      result.model.c_str());
+      format_duration(result.seconds).c_str(), result.tokens_per_second, result.seconds_waiting,
+      result.best_bits_per_frame, result.model.c_str());
 }
 
 }  // namespace

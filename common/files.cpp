@@ -95,13 +95,14 @@ std::string read_head(const fs::path& path, std::uintmax_t count) {
   return read_bytes(path, std::min(count, size_of_file(path)));
 }
 
-void write_file(const fs::path& path, std::string_view bytes) {
-  write_file_with(path, [&](const fs::path& temporary) {
+void write_file(const fs::path& path, std::string_view bytes, Flush flush) {
+  const auto fill = [&](const fs::path& temporary) {
     std::ofstream out(temporary, std::ios::binary);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     out.flush();
     if (!out) throw DataError(in_file(path.string()), "cannot be written: " + reason());
-  });
+  };
+  write_file_with(path, fill, flush);
 }
 
 void write_file_with(const fs::path& path, const std::function<void(const fs::path&)>& fill,

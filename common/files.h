@@ -25,9 +25,10 @@ enum class Flush { now, later };
 
 // Writes beside `path` and renames over it, so a reader sees the old file or the new one, never
 // half of one. Creates the parent directory. Throws DataError when the disk refuses.
-void write_file(const std::filesystem::path& path, std::string_view bytes);
+void write_file(const std::filesystem::path& path, std::string_view bytes,
+                Flush flush = Flush::now);
 
-// The same for a writer that needs a path of its own (libzip): `fill` writes the temporary file.
+// The same for a writer that needs a path of its own: `fill` writes the temporary file.
 void write_file_with(const std::filesystem::path& path,
                      const std::function<void(const std::filesystem::path&)>& fill,
                      Flush flush = Flush::now);

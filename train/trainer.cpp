@@ -105,6 +105,7 @@ class Run {
     result.best_bits_per_frame = bits(done_.best_nats);
     result.tokens_per_second = rate_;
     result.seconds = elapsed();
+    result.seconds_waiting = waiting_;
     for (const at::Tensor& parameter : setup_.model->parameters())
       result.parameters += parameter.numel();
     return result;

@@ -28,6 +28,7 @@ struct TrainResult {
   double best_bits_per_frame = 0;  // validation
   double tokens_per_second = 0;
   double seconds = 0;
+  double seconds_waiting = 0;  // for batches, which are made while the step before runs
   std::int64_t parameters = 0;
 };
 

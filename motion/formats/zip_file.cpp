@@ -138,29 +138,67 @@ std::string ZipReader::read(const std::string& entry) const {
   return bytes;
 }
 
+namespace {
+
+struct FreeSource {
+  void operator()(zip_source_t* source) const { zip_source_free(source); }
+};
+using Source = std::unique_ptr<zip_source_t, FreeSource>;
+
+bool add_entry(zip_t* zip, const std::string& name, const std::string& bytes) {
+  zip_source_t* source = zip_source_buffer(zip, bytes.data(), bytes.size(), 0);
+  if (source == nullptr) return false;
+  const zip_int64_t index = zip_file_add(zip, name.c_str(), source, ZIP_FL_OVERWRITE);
+  if (index < 0) {
+    zip_source_free(source);
+    return false;
+  }
+  const auto at = static_cast<zip_uint64_t>(index);
+  return zip_set_file_compression(zip, at, ZIP_CM_STORE, 0) == 0 &&
+         zip_file_set_dostime(zip, at, 0, kDosDate1980, 0) == 0;
+}
+
+std::string read_all(zip_source_t* source) {
+  zip_stat_t stat;
+  zip_stat_init(&stat);
+  std::string bytes;
+  if (zip_source_open(source) != 0) return bytes;
+  if (zip_source_stat(source, &stat) == 0 && (stat.valid & ZIP_STAT_SIZE) != 0) {
+    bytes.resize(stat.size);
+    if (zip_source_read(source, bytes.data(), bytes.size()) !=
+        static_cast<zip_int64_t>(bytes.size()))
+      bytes.clear();
+  }
+  zip_source_close(source);
+  return bytes;
+}
+
+}  // namespace
+
+// The archive is made in memory: writing files itself, libzip changes the umask of the whole
+// process for a moment, which other threads must not see.
 void write_zip(const fs::path& path,
                const std::vector<std::pair<std::string, std::string>>& entries, Flush flush) {
-  const auto fill = [&](const fs::path& temporary) {
-    int code = 0;
-    zip_t* zip = zip_open(temporary.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);
-    if (zip == nullptr)
-      throw DataError(in_file(path.string()), "cannot be written: " + error_text(code));
-    bool good = true;
-    for (const auto& [name, bytes] : entries) {
-      zip_source_t* source = zip_source_buffer(zip, bytes.data(), bytes.size(), 0);
-      const zip_int64_t index =
-          source == nullptr ? -1 : zip_file_add(zip, name.c_str(), source, ZIP_FL_OVERWRITE);
-      if (source != nullptr && index < 0) zip_source_free(source);
-      const auto at = static_cast<zip_uint64_t>(index);
-      good = good && index >= 0 && zip_set_file_compression(zip, at, ZIP_CM_STORE, 0) == 0 &&
-             zip_file_set_dostime(zip, at, 0, kDosDate1980, 0) == 0;
-    }
-    if (good && zip_close(zip) == 0) return;
+  const auto fail = [&](const std::string& reason) {
+    throw DataError(in_file(path.string()), "cannot be made: " + reason);
+  };
+  zip_error_t error;
+  zip_error_init(&error);
+  const Source archive(zip_source_buffer_create(nullptr, 0, 0, &error));
+  if (archive == nullptr) fail(zip_error_strerror(&error));
+  zip_t* zip = zip_open_from_source(archive.get(), ZIP_TRUNCATE, &error);
+  if (zip == nullptr) fail(zip_error_strerror(&error));
+  zip_source_keep(archive.get());  // the open archive takes over the first reference
+  bool good = true;
+  for (const auto& [name, bytes] : entries) good = good && add_entry(zip, name, bytes);
+  if (!good || zip_close(zip) != 0) {
     const std::string reason = zip_strerror(zip);
     zip_discard(zip);
-    throw DataError(in_file(path.string()), "cannot be written: " + reason);
-  };
-  write_file_with(path, fill, flush);
+    fail(reason);
+  }
+  const std::string bytes = read_all(archive.get());
+  if (bytes.empty()) fail("libzip does not give back what it wrote");
+  write_file(path, bytes, flush);
 }
 
 }  // namespace mocaplm

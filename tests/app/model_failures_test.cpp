@@ -112,6 +112,11 @@ TEST_F(ModelFailures, GenerateNamesTheOption) {
   refused(generate + at("tuned") + " --top-k -1", 2, "--top-k");
   refused(generate + at("tuned") + " --count 0", 2, "--count");
   refused(generate + at("tuned") + " --seed 1.5", 2, "--seed");
+  refused(generate + at("tuned") + " --batch 0", 2, "--batch");
+  refused(generate + at("tuned") + " --batch 65", 2, "--batch");
+  refused(generate + at("tuned") + " --precision f16", 2, "--precision");
+  refused(generate + at("tuned") + " --stream " + at("config.json"), 2, "config.json");
+  refused(generate + at("tuned") + " --stream " + at("config.json/frames"), 3, "config.json");
   refused(generate + at("tuned") + " --strategy beam", 2, "--strategy");
   refused(generate + at("tuned") + " --prompt-seconds -1", 2, "--prompt-seconds");
   refused(generate + at("tuned") + " --joints pelvis", 2, "--prompt");

@@ -1,4 +1,7 @@
 // The walk from dances to a page, every step a command; then what goes on and what does not.
+#include <map>
+#include <sstream>
+
 #include "app/trained_run.h"
 #include "motion/formats/formats.h"
 #include "motion/skeleton.h"
@@ -9,6 +12,14 @@ namespace mocaplm {
 namespace {
 
 using TrainingCommands = TrainedRun;
+
+std::vector<Json> json_lines(const fs::path& path) {
+  std::vector<Json> lines;
+  std::istringstream text(read_file(path));
+  for (std::string line; std::getline(text, line);)
+    lines.push_back(parse_json(line, path.string()));
+  return lines;
+}
 
 std::string prompt() {
   return "gWA_sBM_cAll_d25_mWA1_ch01";
@@ -64,6 +75,35 @@ TEST_F(TrainingCommands, GenerateContinuesCountsAndRepeats) {
   EXPECT_EQ(read_clip(path("more.bvh"), {}).frames(), 30);
   must("view " + at("free-1.npz") + " " + at("more.bvh") + " --out " + at("page.html"));
   EXPECT_GT(fs::file_size(path("page.html")), 100000u);
+}
+
+TEST_F(TrainingCommands, GenerateTellsFramesInEveryPrecision) {
+  for (const char* precision : {"f32", "bf16", "int8"}) {
+    must("generate --seconds 0.5 --count 3 --batch 2 --model " + at("run") + " --precision " +
+         precision + " --out " + at("many") + " --stream " + at("frames.jsonl") + precision +
+         " --json " + at("many.json"));
+    EXPECT_EQ(load_json(path("many.json")).size(), 3u);
+    std::map<int, int> frames;  // of each dance
+    for (const Json& line : json_lines(path("frames.jsonl" + std::string(precision)))) {
+      const int dance = line["dance"];
+      const Clip clip = read_clip(path("many-" + std::to_string(dance + 1) + ".npz"), {});
+      const int frame = frames[dance]++;
+      ASSERT_EQ(line["frame"], frame);
+      EXPECT_NEAR(line["seconds"].get<double>(), frame / 20.0, 1e-12);
+      for (int i = 0; i < 72; ++i)
+        ASSERT_NEAR(line["poses"][static_cast<std::size_t>(i)].get<double>(), clip.poses(frame, i),
+                    1e-6);
+      for (int i = 0; i < 3; ++i)
+        ASSERT_NEAR(line["trans"][static_cast<std::size_t>(i)].get<double>(), clip.trans(frame, i),
+                    1e-6);
+    }
+    EXPECT_EQ(frames, (std::map<int, int>{{0, 10}, {1, 10}, {2, 10}}));
+  }
+  // On standard output there are frames and nothing else; what is told beside goes to stderr.
+  const std::string out = at("stdout.jsonl");
+  must("generate --seconds 0.5 --model " + at("run") + " --out " + at("one") + " --stream - > " +
+       out + " 2> /dev/null && true");
+  EXPECT_EQ(json_lines(path("stdout.jsonl")).size(), 10u);
 }
 
 TEST_F(TrainingCommands, ClassifyPrintsTheThreeMethodsAndKeepsAClassifier) {
