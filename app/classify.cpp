@@ -1,5 +1,6 @@
 // mocaplm classify: a classifier beside LDA and the majority class, or what a kept one says of
 // clips.
+#include <filesystem>
 #include <memory>
 
 #include "app/commands.h"
@@ -19,12 +20,14 @@ struct ClassifyCommand {
   std::string json;
 };
 
-void run_classify(const ClassifyCommand& command) {
+void run_classify(const CLI::App& app, const ClassifyCommand& command) {
   const ClassifyOptions& train = command.train;
   check_writable(command.json);
   if (!command.clips.empty()) {
-    if (!train.data.empty() || !train.out.empty())
-      throw UsageError("clips are classified by a kept classifier: --data and --out train one");
+    refuse_options_except(app,
+                          {"--model", "clips", "--json", "--precision", "--device", "--threads"},
+                          " cannot be given with clips: a kept classifier tells their labels, and "
+                          "is trained without them (--data DATASET)");
     print_table(predict_table({train.model, command.clips, train.config.precision, train.device,
                                train.threads}),
                 command.json);
@@ -32,6 +35,7 @@ void run_classify(const ClassifyCommand& command) {
   }
   if (train.data.empty())
     throw UsageError("give --data DATASET to train a classifier, or clips to classify with one");
+  if (!std::filesystem::is_directory(train.out)) check_writable(train.out);
   std::printf("%s\n", settings_json(train.config).dump().c_str());
   std::fflush(stdout);
   print_tables(classify_tables(classify(train)), command.json);
@@ -58,7 +62,7 @@ void add_classify(CLI::App& app) {
   classify->add_option("--json", command->json, "also write the tables as JSON");
   add_machine_options(*classify, train.device, train.threads);
   bind_options(*classify->add_option_group("classifier"), train.config);
-  classify->callback([command] { run_classify(*command); });
+  classify->callback([classify, command] { run_classify(*classify, *command); });
 }
 
 }  // namespace mocaplm

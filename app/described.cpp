@@ -96,6 +96,7 @@ std::vector<Table> describe_tokenizer(const fs::path& path) {
 
 std::vector<Table> describe_model(const fs::path& path) {
   const ModelDescription model = load_description(path);
+  check_complete(path);
   Table table(path.string(), {"model", model.config.architecture});
   const Json settings = settings_json(model.config);  // items() only points into it
   for (const auto& item : settings.items())

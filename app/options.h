@@ -81,6 +81,10 @@ void overlay_options(const CLI::App& app, Config& given, Config& config) {
   read_settings(config, object);
 }
 
+// Throws UsageError for any option given beside those `allowed` ("--out"): OPTION + `why`.
+void refuse_options_except(const CLI::App& app, const std::vector<std::string>& allowed,
+                           const std::string& why);
+
 // --device cpu|cuda|auto and --threads N.
 void add_machine_options(CLI::App& app, std::string& device, int& threads);
 

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -112,6 +113,16 @@ void add_machine_options(CLI::App& app, std::string& device, int& threads) {
   app.add_option("--threads", threads, "threads, 0 for all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+}
+
+void refuse_options_except(const CLI::App& app, const std::vector<std::string>& allowed,
+                           const std::string& why) {
+  for (const CLI::Option* option : app.get_options())
+    if (option->count() > 0 &&
+        std::find(allowed.begin(), allowed.end(), option->get_name()) == allowed.end())
+      throw UsageError(option->get_name() + why);
+  for (const CLI::App* group : app.get_subcommands([](const CLI::App*) { return true; }))
+    refuse_options_except(*group, allowed, why);
 }
 
 void print_table(const Table& table, const std::string& json_file) {

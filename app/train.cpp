@@ -21,15 +21,9 @@ struct TrainCommand {
 
 // A resumed run keeps its settings; options that would change them are refused, not ignored.
 void check_resume(const CLI::App& app) {
-  const std::vector<std::string> allowed = {"--out", "--resume", "--data", "--device", "--threads"};
-  for (const CLI::Option* option : app.get_options())
-    if (option->count() > 0 &&
-        std::find(allowed.begin(), allowed.end(), option->get_name()) == allowed.end())
-      throw UsageError(option->get_name() +
-                       " cannot be given with --resume: a run goes on with its own settings "
-                       "(settings.json); start another one with --from");
-  for (const CLI::App* group : app.get_subcommands([](const CLI::App*) { return true; }))
-    check_resume(*group);
+  refuse_options_except(app, {"--out", "--resume", "--data", "--device", "--threads"},
+                        " cannot be given with --resume: a run goes on with its own settings "
+                        "(settings.json); start another one with --from");
 }
 
 void run_train(const CLI::App& app, TrainCommand& command) {

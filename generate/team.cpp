@@ -3,6 +3,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <system_error>
 
 namespace mocaplm {
 
@@ -21,7 +22,11 @@ void pause() {
 Team::Team(int threads)
     : size_(threads > 0 ? threads
                         : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
-  for (int i = 1; i < size_; ++i) threads_.emplace_back([this, i] { serve(i); });
+  for (int i = 1; i < size_; ++i) try {
+      threads_.emplace_back([this, i] { serve(i); });
+    } catch (const std::system_error&) {  // no memory or no right to so many: fewer will do
+      size_ = i;
+    }
 }
 
 Team::~Team() {

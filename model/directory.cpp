@@ -82,7 +82,8 @@ void write_marker(const fs::path& directory) {
   save_json(directory / "complete", files);
 }
 
-void check_marker(const fs::path& directory) {
+// `contents`: also the hashes, which takes reading everything.
+void check_marker(const fs::path& directory, bool contents) {
   const fs::path marker = directory / "complete";
   if (!fs::exists(marker))
     throw DataError(
@@ -99,12 +100,14 @@ void check_marker(const fs::path& directory) {
     const auto size = static_cast<std::uintmax_t>(entry.integer("bytes", 0));
     const std::string hash = entry.text("hash");
     entry.finish();
-    const std::string bytes = read_file(file, kMaxModelBytes);
-    if (bytes.size() != size)
-      throw DataError(in_file(file.string()), "has " + std::to_string(bytes.size()) +
-                                                  " bytes, expected " + std::to_string(size) +
+    std::error_code error;
+    const std::uintmax_t found = fs::file_size(file, error);
+    if (error) throw DataError(in_file(file.string()), "cannot be read: " + error.message());
+    if (found != size)
+      throw DataError(in_file(file.string()), "has " + std::to_string(found) + " bytes, expected " +
+                                                  std::to_string(size) +
                                                   ": the file was cut off or changed");
-    if (hex(stable_hash(bytes)) != hash)
+    if (contents && hex(stable_hash(read_file(file, kMaxModelBytes))) != hash)
       throw DataError(in_file(file.string()),
                       "was changed after the model was saved (its hash differs)");
   }
@@ -145,7 +148,7 @@ ModelDescription load_description(const fs::path& path) {
 
 StoredModel load_model(const fs::path& path) {
   const fs::path directory = resolve_model(path);
-  check_marker(directory);
+  check_marker(directory, true);
   StoredModel model;
   model.description = load_description(directory);
   model.tokenizer = load_json(directory / "tokenizer.json");
@@ -220,6 +223,10 @@ void check_self_test(const SelfTestCase& expected, const std::vector<float>& log
       throw DataError(in_file(place), "the model's self-test fails: logit " + std::to_string(i) +
                                           " is " + std::to_string(logits[i]) + ", expected " +
                                           std::to_string(expected.logits[i]) + rest);
+}
+
+void check_complete(const fs::path& path) {
+  check_marker(resolve_model(path), false);
 }
 
 void save_model(const fs::path& path, const StoredModel& model,

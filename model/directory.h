@@ -40,6 +40,8 @@ bool looks_like_model(const std::filesystem::path& path);
 StoredModel load_model(const std::filesystem::path& path);
 // Only config.json (for `info`).
 ModelDescription load_description(const std::filesystem::path& path);
+// Throws DataError when a file of the model is missing or of another length than when it was saved.
+void check_complete(const std::filesystem::path& path);
 
 // The tensors of the language model itself: a classifier's own are left out and its prefix is taken
 // off.

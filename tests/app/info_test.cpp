@@ -4,6 +4,7 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "model/directory.h"
 #include "support/small_models.h"
 #include "temporary_folder.h"
 #include "tokenizer/tokenizer.h"
@@ -24,7 +25,11 @@ TEST_F(Info, TellsEverySettingOfAModelAndWhatItKnows) {
   model.conditions = {"genre"};
   model.classes = {{"dancer", {"d01", "d02"}}};
   model.procedural = true;
-  save_json(folder_ / "run" / "best" / "config.json", to_json(model));
+  StoredModel stored;
+  stored.description = model;
+  stored.tensors = random_weights(model, 1);
+  stored.tokenizer = Json::object();
+  save_model(folder_ / "run" / "best", stored);
   for (const char* path : {"run", "run/best", "run/best/config.json"}) {
     const Ran ran = run_mocaplm("info " + at(path) + " --json " + at("info.json"));
     ASSERT_EQ(ran.code, 0) << ran.text;

@@ -83,6 +83,10 @@ TEST_F(Damaged, InfoSpeaksOfModelsItCannotRead) {
   make_bad("run", [](const fs::path& bad) { fs::remove_all(bad / "best"); });
   fs::remove_all(path("bad/last"));
   refused("info " + at("bad"), 3, "bad");
+  make_bad("run/best", [](const fs::path& bad) {
+    fs::resize_file(bad / "model.safetensors", fs::file_size(bad / "model.safetensors") - 1);
+  });
+  refused("info " + at("bad"), 3, "model.safetensors");
 }
 
 TEST_F(Damaged, ResumeNamesWhatIsBroken) {
