@@ -31,12 +31,16 @@ void add_evaluate(CLI::App& app) {
   evaluate->add_option("--precision", options->precision, "type of the matrix products")
       ->check(CLI::IsMember({"auto", "bf16", "f32"}))
       ->capture_default_str();
-  evaluate
-      ->add_option("--engine", options->engine,
-                   "score with the engine that generates, in this precision, instead of LibTorch")
-      ->check(CLI::IsMember(precision_names()));
+  CLI::Option* engine =
+      evaluate
+          ->add_option(
+              "--engine", options->engine,
+              "score with the engine that generates, in this precision, instead of LibTorch")
+          ->check(CLI::IsMember(precision_names()));
   evaluate->add_option("--json", *json, "also write the tables as JSON");
   add_machine_options(*evaluate, options->device, options->threads);
+  for (const char* torch : {"--precision", "--device"})
+    engine->excludes(evaluate->get_option(torch));
   evaluate->callback([options, json] {
     check_writable(*json);
     print_tables(evaluate_tables(*options), *json);

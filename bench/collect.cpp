@@ -12,14 +12,8 @@ namespace mocaplm::bench {
 
 namespace {
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
-std::optional<double> median(const std::vector<Result>& runs,
-                             std::optional<double> Result::*member) {
+std::optional<double> median_of(const std::vector<Result>& runs,
+                                std::optional<double> Result::*member) {
   std::vector<double> values;
   for (const Result& run : runs)
     if (run.*member) values.push_back(*(run.*member));
@@ -34,8 +28,8 @@ Collected middle(const std::string& bench, const std::vector<Result>& runs) {
   all.least = *std::min_element(values.begin(), values.end());
   all.most = *std::max_element(values.begin(), values.end());
   all.result.value = median(values);
-  all.result.limit = median(runs, &Result::limit);
-  all.result.ratio = median(runs, &Result::ratio);
+  all.result.limit = median_of(runs, &Result::limit);
+  all.result.ratio = median_of(runs, &Result::ratio);
   return all;
 }
 

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "bench/models.h"
+#include "bench/result.h"
 #include "common/error.h"
 #include "common/json.h"
 #include "generate/engine.h"
@@ -14,16 +15,11 @@
 namespace {
 
 using namespace mocaplm;
+using bench::median;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 // Sums `count` words as `streams` sequences side by side: which number of streams the memory likes
@@ -74,8 +70,13 @@ struct Case {
   double goal_value = 0;
 };
 
-// Seconds a step around `context` cached positions, and tokens/s of the prompt before it.
-std::pair<double, double> step_seconds(Engine& engine, const Case& c) {
+struct Timed {
+  double middle, best;  // seconds a step
+  double prompt_rate;   // tokens/s of the prompt before
+};
+
+// Steps around `context` cached positions.
+Timed timed_steps(Engine& engine, const Case& c) {
   constexpr std::int64_t kSteps = 48;
   const ModelInput prompt = bench_input(engine.description(), c.context - kSteps / 2);
   const ModelInput one = bench_input(engine.description(), 1);
@@ -93,15 +94,16 @@ std::pair<double, double> step_seconds(Engine& engine, const Case& c) {
     engine.feed(feeds);
     times.push_back(seconds_since(step));
   }
-  return {median(times), rate};
+  return {median(times), *std::min_element(times.begin(), times.end()), rate};
 }
 
 Json measure(const Case& c) {
   const StoredModel model = bench_model(c.model);
   Engine engine(model, "bench", {c.precision, 0, c.batch});
-  const auto [seconds, prompt_rate] = step_seconds(engine, c);
+  const auto [seconds, best, prompt_rate] = timed_steps(engine, c);
   Team team(0);
-  const double limit_seconds = reading_seconds(engine.bytes_a_step(c.context), team);
+  const std::int64_t bytes = engine.bytes_a_step(c.context);
+  const double limit_seconds = reading_seconds(bytes, team);
   const auto batch = static_cast<double>(c.batch);
   const std::string name = std::string(1, c.model) + " " + to_string(c.precision) + ", context " +
                            std::to_string(c.context) + ", batch " + std::to_string(c.batch);
@@ -111,15 +113,19 @@ Json measure(const Case& c) {
               {"limit", batch / limit_seconds},
               {"limit_name", "reading the weights and the cache once a step"},
               {"ratio", limit_seconds / seconds},
+              {"best_step", batch / best},
+              {"read_gb_per_second", 1e-9 * static_cast<double>(bytes) / limit_seconds},
               {"prompt_tokens_per_second", prompt_rate}};
   if (c.goal > 0) row["goal"] = c.goal;
   if (c.goal_value > 0) {
     row["goal"] = c.goal_value;
     row["goal_on"] = "value";
   }
-  std::printf("%-36s %8.0f tokens/s, limit %8.0f, ratio %.2f, prompt %7.0f tokens/s\n",
-              name.c_str(), batch / seconds, batch / limit_seconds, limit_seconds / seconds,
-              prompt_rate);
+  std::printf(
+      "%-34s %7.0f tokens/s (best step %7.0f), limit %7.0f at %3.0f GB/s, ratio %.2f, prompt "
+      "%6.0f\n",
+      name.c_str(), batch / seconds, batch / best, batch / limit_seconds,
+      1e-9 * static_cast<double>(bytes) / limit_seconds, limit_seconds / seconds, prompt_rate);
   std::fflush(stdout);
   return row;
 }

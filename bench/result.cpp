@@ -1,5 +1,7 @@
 #include "bench/result.h"
 
+#include <algorithm>
+
 #include "common/error.h"
 
 namespace mocaplm::bench {
@@ -42,6 +44,12 @@ std::optional<bool> Result::reached() const {
   if (!goal || !peer_of.empty() || (!goal_on_value && !ratio)) return {};
   const double found = goal_on_value ? value : *ratio;
   return less_is_better ? found <= *goal : found >= *goal;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 std::string bench_name(const std::filesystem::path& program) {

@@ -34,6 +34,9 @@ struct Result {
   std::optional<bool> reached() const;
 };
 
+// Of at least one value.
+double median(std::vector<double> values);
+
 // "build/bench/import_bench" -> "import".
 std::string bench_name(const std::filesystem::path& program);
 

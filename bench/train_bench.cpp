@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "bench/models.h"
+#include "bench/result.h"
 #include "common/json.h"
 #include "common/table.h"
 #include "common/text.h"
@@ -31,6 +32,7 @@
 namespace {
 
 using namespace mocaplm;
+using bench::median;
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -215,11 +217,6 @@ std::string group(const std::string& name) {
   for (const auto& [part, where] : parts)
     if (name.find(part) != std::string::npos) return where;
   return "rest";
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 Json measure(const Case& c, const Options& options, double limit) {

@@ -52,8 +52,6 @@ class Engine {
   void feed_silently(const ModelInput& input) { feed_silently({{0, &input}}); }
 
   const ModelDescription& description() const { return description_; }
-  Precision precision() const { return options_.precision; }
-  int threads() const { return team_.size(); }
   // Bytes that one step with `count` cached positions a sequence reads at the least.
   std::int64_t bytes_a_step(std::int64_t count) const;
 

@@ -45,7 +45,6 @@ class Generator {
 
   const Tokenizer& tokenizer() const { return tokenizer_; }
   const ModelDescription& description() const { return engine_.description(); }
-  const Engine& engine() const { return engine_; }
 
  private:
   void decode(std::vector<DanceInMaking>& dances);

@@ -22,11 +22,13 @@ void pause() {
 Team::Team(int threads)
     : size_(threads > 0 ? threads
                         : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
-  for (int i = 1; i < size_; ++i) try {
+  for (int i = 1; i < size_; ++i) {
+    try {
       threads_.emplace_back([this, i] { serve(i); });
     } catch (const std::system_error&) {  // no memory or no right to so many: fewer will do
       size_ = i;
     }
+  }
 }
 
 Team::~Team() {

@@ -10,6 +10,7 @@
 #include "common/text.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
+#include "motion/taylor.h"
 
 namespace mocaplm {
 
@@ -38,15 +39,14 @@ void read_frame(const Clip& clip, Eigen::Index frame, const std::vector<int>& jo
 // The square of the angle between two unit vectors whose tips are d = |a - b| apart, of d^2 <=
 // 1/64: 4 asin(d / 2)^2 by its series, to the last bit.
 double squared_angle(double d2) {
-  return d2 * (1 + d2 * (1.0 / 12 +
-                         d2 * (1.0 / 90 +
-                               d2 * (1.0 / 560 + d2 * (1.0 / 3150 +
-                                                       d2 * (1.0 / 16632 + d2 * (1.0 / 84084)))))));
+  constexpr double kSquaredArc[] = {1,          1.0 / 12,    1.0 / 90,   1.0 / 560,
+                                    1.0 / 3150, 1.0 / 16632, 1.0 / 84084};
+  return d2 * series<7>(kSquaredArc, d2);
 }
 
 // sin(x) / x of z = x^2 <= 1/64, to the last bit.
 double small_sinc(double z) {
-  return 1 + z * (-1.0 / 6 + z * (1.0 / 120 + z * (-1.0 / 5040 + z * (1.0 / 362880))));
+  return series<5>(kSinc, z);
 }
 
 // Slerp along the shorter arc: weights sin((1 - t) theta) / sin(theta) and sin(t theta) /

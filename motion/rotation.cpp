@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/taylor.h"
+
 namespace mocaplm {
 
 namespace {
@@ -25,28 +27,8 @@ Eigen::Quaterniond quaternion_from_axis_angle(const Eigen::Vector3d& v) {
   const double z = 0.25 * v.squaredNorm();  // half the angle, squared
   double cosine, sinc;
   if (z <= 2.4674) {  // rotations of at most half a turn: Taylor series, to the last bit
-    cosine =
-        1 + z * (-1.0 / 2 +
-                 z * (1.0 / 24 +
-                      z * (-1.0 / 720 +
-                           z * (1.0 / 40320 +
-                                z * (-1.0 / 3628800 +
-                                     z * (1.0 / 479001600 +
-                                          z * (-1.0 / 87178291200 +
-                                               z * (1.0 / 20922789888000 +
-                                                    z * (-1.0 / 6402373705728000 +
-                                                         z * (1.0 / 2432902008176640000))))))))));
-    sinc = 1 +
-           z * (-1.0 / 6 +
-                z * (1.0 / 120 +
-                     z * (-1.0 / 5040 +
-                          z * (1.0 / 362880 +
-                               z * (-1.0 / 39916800 +
-                                    z * (1.0 / 6227020800 +
-                                         z * (-1.0 / 1307674368000 +
-                                              z * (1.0 / 355687428096000 +
-                                                   z * (-1.0 / 121645100408832000 +
-                                                        z * (1.0 / 51090942171709440000.0))))))))));
+    cosine = series<11>(kCosine, z);
+    sinc = series<11>(kSinc, z);
   } else {
     const double half = std::sqrt(z);
     cosine = std::cos(half);

@@ -83,7 +83,7 @@ inline void weigh(float* scores, const float* value_scale, std::int64_t blocks,
 
 void attend_vnni(const float* query, const ByteHead& head, std::int64_t count, std::int64_t width,
                  float* scores, float* out) {
-  const std::int64_t words = (width + 3) / 4, blocks = (count + kLanes - 1) / kLanes;
+  const std::int64_t words = (width + 3) / 4, blocks = whole_lanes(count) / kLanes;
   float* block_scale = scores + blocks * kLanes;  // the second half of the scratch
   auto* bytes = reinterpret_cast<std::uint8_t*>(block_scale);
   float query_scale;
@@ -92,7 +92,7 @@ void attend_vnni(const float* query, const ByteHead& head, std::int64_t count, s
   const float scale = softmax(scores, count);
   weigh(scores, head.value_scale, blocks, block_scale);
   const auto* weights = reinterpret_cast<const std::uint8_t*>(scores);
-  const std::int64_t padded = (width + kLanes - 1) / kLanes * kLanes;
+  const std::int64_t padded = whole_lanes(width);
   for (std::int64_t c = 0; c < padded;) {
     alignas(64) float sums[64];
     const std::int64_t vectors = padded - c >= 64 ? 4 : padded - c >= 32 ? 2 : 1;

@@ -112,7 +112,7 @@ inline void sum_values(const float* weights, const std::uint32_t* values, std::i
 void attend_pairs(const float* query, const std::uint32_t* keys, const std::uint32_t* values,
                   std::int64_t count, std::int64_t width, float* scores, float* out) {
   constexpr std::int64_t kChunk = 1024;  // values of a query that are rounded at a time
-  const std::int64_t words = (width + 1) / 2, blocks = (count + kLanes - 1) / kLanes;
+  const std::int64_t words = (width + 1) / 2, blocks = whole_lanes(count) / kLanes;
   std::uint32_t rounded_query[kChunk / 2];
   if (width > kChunk) return attend_bf16(query, keys, values, count, width, scores, out);
   round_row(query, width, words, rounded_query);
@@ -125,7 +125,7 @@ void attend_pairs(const float* query, const std::uint32_t* keys, const std::uint
     _mm512_mask_storeu_epi32(scores + t * kLanes / 2, t + 1 < blocks ? 0xffff : 0xff, both);
   }
   const std::int64_t pair_count = blocks * kLanes / 2;
-  const std::int64_t padded = (width + kLanes - 1) / kLanes * kLanes;
+  const std::int64_t padded = whole_lanes(width);
   for (std::int64_t c = 0; c < padded;) {
     alignas(64) float sums[64];
     const std::int64_t vectors = padded - c >= 64 ? 4 : padded - c >= 32 ? 2 : 1;

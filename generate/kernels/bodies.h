@@ -11,6 +11,11 @@
 namespace mocaplm {
 namespace {
 
+// Rounded up to whole blocks of lanes.
+inline std::int64_t whole_lanes(std::int64_t count) {
+  return (count + kLanes - 1) / kLanes * kLanes;
+}
+
 inline float from_bits(std::uint32_t bits) {
   float value;
   std::memcpy(&value, &bits, sizeof value);
@@ -200,7 +205,7 @@ void attend_f32(const float* query, const std::uint32_t* key_words,
     std::memcpy(scores + first, sums, sizeof sums);
   }
   const float scale = softmax(scores, count);
-  const std::int64_t padded = (width + kLanes - 1) / kLanes * kLanes;
+  const std::int64_t padded = whole_lanes(width);
   for (std::int64_t c = 0; c < width; c += kLanes) {
     float sums[kLanes] = {};
     for (std::int64_t t = 0; t < count; ++t)
@@ -221,7 +226,7 @@ void attend_bf16(const float* query, const std::uint32_t* keys, const std::uint3
     std::memcpy(scores + first, sums, sizeof sums);
   }
   const float scale = softmax(scores, count);
-  const std::int64_t padded = (width + kLanes - 1) / kLanes * kLanes;
+  const std::int64_t padded = whole_lanes(width);
   for (std::int64_t c = 0; c < width; c += kLanes) {
     float sums[kLanes] = {};
     for (std::int64_t t = 0; t < count; t += 2) {

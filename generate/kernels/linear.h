@@ -37,7 +37,6 @@ class PackedLinear {
   void apply(const float* x, float* y, std::int64_t rows, Store store, LinearScratch& scratch,
              std::int64_t part = 0, std::int64_t parts = 1) const;
 
-  std::int64_t in() const { return in_; }
   std::int64_t out() const { return out_; }
   std::int64_t bytes() const;  // that one pass over the weights reads
 

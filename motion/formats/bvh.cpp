@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "motion/taylor.h"
+
 namespace mocaplm {
 
 namespace {
@@ -32,21 +34,7 @@ SinCos sin_cos_degrees(double degrees) {
   constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to a whole number
   const double shifted = degrees * (1.0 / 90) + kRound;
   const double x = (degrees - 90 * (shifted - kRound)) * kRadians, z = x * x;
-  const double sine =
-      x * (1 + z * (-1.0 / 6 +
-                    z * (1.0 / 120 +
-                         z * (-1.0 / 5040 +
-                              z * (1.0 / 362880 +
-                                   z * (-1.0 / 39916800 +
-                                        z * (1.0 / 6227020800 + z * (-1.0 / 1307674368000))))))));
-  const double cosine =
-      1 + z * (-1.0 / 2 +
-               z * (1.0 / 24 +
-                    z * (-1.0 / 720 +
-                         z * (1.0 / 40320 +
-                              z * (-1.0 / 3628800 +
-                                   z * (1.0 / 479001600 +
-                                        z * (-1.0 / 87178291200 + z * (1.0 / 20922789888000))))))));
+  const double sine = x * series<8>(kSinc, z), cosine = series<9>(kCosine, z);
   // The last bits of `shifted` count the quarter turns: odd ones swap sine and cosine.
   const std::uint64_t turns = bits_of(shifted), odd = 0 - (turns & 1);
   const std::uint64_t s = bits_of(sine), c = bits_of(cosine), differ = (s ^ c) & odd;

@@ -175,8 +175,8 @@ std::string read_all(zip_source_t* source) {
 
 }  // namespace
 
-// The archive is made in memory: writing files itself, libzip changes the umask of the whole
-// process for a moment, which other threads must not see.
+// The archive is made in memory and written by our own code: libzip's own writing of files said
+// "Read-only archive" once in many runs when two threads wrote archives side by side.
 void write_zip(const fs::path& path,
                const std::vector<std::pair<std::string, std::string>>& entries, Flush flush) {
   const auto fail = [&](const std::string& reason) {

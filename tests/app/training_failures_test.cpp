@@ -20,6 +20,7 @@ TEST_F(TrainingFailures, ValuesOutOfRangeNameTheOption) {
   refused("train --out o --data d --learning-rate nan", 2, "learning-rate");
   refused("train --out o --data d --n-layer 99999999999999999999", 2, "n-layer");
   refused("classify --model m --data d --steps 0", 2, "steps");
+  refused("evaluate --model m --data d --engine int8 --precision f32", 2, "--precision");
   refused("classify --model m clip.bvh --steps 5", 2, "--steps cannot be given with clips");
   refused("classify --model m clip.bvh --data d", 2, "--data cannot be given with clips");
   refused("evaluate --model m --data d --split tset", 2, "split");
