@@ -2,7 +2,7 @@
 
 namespace mocaplm {
 
-Classifier::Classifier(std::shared_ptr<Transformer> transformer, const std::vector<Task>& tasks)
+Classifier::Classifier(std::shared_ptr<LanguageModel> transformer, const std::vector<Task>& tasks)
     : transformer_(std::move(transformer)) {
   const std::int64_t width = transformer_->description().config.n_embd;
   register_module("transformer", transformer_);
@@ -18,10 +18,10 @@ Classifier::Classifier(std::shared_ptr<Transformer> transformer, const std::vect
 }
 
 Classifier::Output Classifier::forward(const Batch& batch) {
-  const std::int64_t rows = batch.token.size(0), length = batch.token.size(1),
-                     tasks = tokens_.size(0);
+  const std::int64_t rows = batch.token.size(0), tasks = tokens_.size(0);
   const at::Tensor states =
       transformer_->hidden(batch, tokens_.unsqueeze(0).expand({rows, tasks, tokens_.size(1)}));
+  const std::int64_t length = states.size(1) - tasks;
   Output out;
   out.hidden = states.slice(1, 0, length);
   for (std::int64_t i = 0; i < tasks; ++i) {

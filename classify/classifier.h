@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "classify/windows.h"
-#include "model/transformer/transformer.h"
+#include "model/transformer/language_model.h"
 
 namespace mocaplm {
 
 class Classifier : public torch::nn::Module {
  public:
-  Classifier(std::shared_ptr<Transformer> transformer, const std::vector<Task>& tasks);
+  Classifier(std::shared_ptr<LanguageModel> transformer, const std::vector<Task>& tasks);
 
   struct Output {
     at::Tensor hidden;               // (B, T, C) of the motion, for the language-model loss
@@ -20,10 +20,10 @@ class Classifier : public torch::nn::Module {
   };
   Output forward(const Batch& batch);
 
-  Transformer& transformer() { return *transformer_; }
+  LanguageModel& transformer() { return *transformer_; }
 
  private:
-  std::shared_ptr<Transformer> transformer_;
+  std::shared_ptr<LanguageModel> transformer_;
   at::Tensor tokens_;  // (tasks, C): the embeddings of the classification tokens
   std::vector<std::pair<at::Tensor, at::Tensor>> heads_;
 };

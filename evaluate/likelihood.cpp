@@ -17,8 +17,7 @@ std::vector<Piece> cut(const std::vector<ScoredClip>& clips, const ModelDescript
   const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
   std::vector<Piece> pieces;
   for (std::size_t c = 0; c < clips.size(); ++c) {
-    const std::size_t room =
-        (static_cast<std::size_t>(model.config.block_size) - clips[c].prefix.size()) / per_frame;
+    const auto room = static_cast<std::size_t>(frames_in_window(model));
     const std::size_t frames = clips[c].ids.size() / per_frame;
     for (std::size_t first = 0, scored = 0; scored < frames;
          first += std::max<std::size_t>(room / 2, 1)) {
@@ -104,7 +103,7 @@ float nats_of(const std::vector<float>& logits, std::int32_t id) {
 
 }  // namespace
 
-std::vector<BitCount> score_clips(Transformer& model, const std::vector<ScoredClip>& clips,
+std::vector<BitCount> score_clips(LanguageModel& model, const std::vector<ScoredClip>& clips,
                                   std::int64_t windows_at_once, const WindowsDone& progress) {
   const at::NoGradGuard no_grad;
   model.eval();

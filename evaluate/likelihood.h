@@ -7,7 +7,7 @@
 
 #include "evaluate/baselines.h"
 #include "generate/engine.h"
-#include "model/transformer/transformer.h"
+#include "model/transformer/language_model.h"
 #include "motion/clip.h"
 
 namespace mocaplm {
@@ -22,7 +22,7 @@ using WindowsDone = std::function<void(std::size_t, std::size_t)>;
 // Bits of every frame of every clip, channels + 1 columns (the separator last). Each frame is
 // scored once, in a window that shows at least half of the context before it (less only at a clip's
 // beginning). `progress` gets the number of windows done and their total.
-std::vector<BitCount> score_clips(Transformer& model, const std::vector<ScoredClip>& clips,
+std::vector<BitCount> score_clips(LanguageModel& model, const std::vector<ScoredClip>& clips,
                                   std::int64_t windows_at_once,
                                   const WindowsDone& progress = nullptr);
 // The same token by token through the engine that generates, as many windows at once as it has

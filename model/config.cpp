@@ -1,20 +1,30 @@
 #include "model/config.h"
 
 #include "common/error.h"
+#include "model/input.h"
 
 namespace mocaplm {
 
 namespace {
 constexpr std::int64_t kFormat = 1;
+
+void check_divides(const char* heads_name, std::int64_t heads, const char* width_name,
+                   std::int64_t width) {
+  if (width % heads != 0)
+    throw UsageError(std::string(heads_name) + " (" + std::to_string(heads) + ") must divide " +
+                     width_name + " (" + std::to_string(width) + ")");
 }
+
+}  // namespace
 
 void check_model(const ModelDescription& d) {
   const ModelConfig& c = d.config;
-  if (c.n_embd % c.n_head != 0)
-    throw UsageError("n_head (" + std::to_string(c.n_head) + ") must divide n_embd (" +
-                     std::to_string(c.n_embd) + ")");
-  const std::int64_t need = 1 + static_cast<std::int64_t>(d.conditions.size() + d.classes.size()) +
-                            2 * d.shape.tokens_per_frame();
+  check_divides("n_head", c.n_head, "n_embd", c.n_embd);
+  if (d.frame_positions())
+    check_divides("decoder_head", c.decoder_head, "decoder_embd", c.decoder_embd);
+  const auto extra = static_cast<std::int64_t>(d.classes.size());
+  const std::int64_t need =
+      d.prefix() + extra + 2 * (d.frame_positions() ? 1 : d.shape.tokens_per_frame());
   if (c.block_size < need)
     throw UsageError("block_size " + std::to_string(c.block_size) +
                      " is too small: two frames and the condition tokens need " +
@@ -71,26 +81,63 @@ ModelDescription model_from_json(const Json& json, const std::string& place) {
   return d;
 }
 
-ModelSizes model_sizes(const ModelDescription& d) {
-  const ModelConfig& c = d.config;
-  return {c.block_size / d.shape.tokens_per_frame() + 3, d.shape.channels + 2, 2 * c.reach + 2,
-          2 * c.reach + 1};
+std::int64_t frames_in_window(const ModelDescription& d, std::int64_t reserve) {
+  const std::int64_t room = d.config.block_size - d.prefix() - reserve;
+  return d.frame_positions() ? room : room / d.shape.tokens_per_frame();
 }
 
-double parameter_count(const ModelDescription& d) {
+std::int64_t tokens_in_window(const ModelDescription& d, std::int64_t reserve) {
+  return d.frame_positions()
+             ? d.prefix() + frames_in_window(d, reserve) * d.shape.tokens_per_frame()
+             : d.config.block_size - reserve;
+}
+
+ModelSizes model_sizes(const ModelDescription& d) {
+  const ModelConfig& c = d.config;
+  const std::int64_t frames =
+      d.frame_positions() ? c.block_size : c.block_size / d.shape.tokens_per_frame();
+  return {frames + 3, d.shape.channels + 2, 2 * c.reach + 2, 2 * c.reach + 1};
+}
+
+namespace {
+
+// Of `layers` blocks and the norm after them.
+double block_parameters(double width, std::int64_t layers) {
+  return width * (static_cast<double>(layers) * (12 * width + 13) + 2);
+}
+
+double flat_parameters(const ModelDescription& d, double width, double outputs) {
   const ModelConfig& c = d.config;
   const ModelSizes sizes = model_sizes(d);
-  const auto width = static_cast<double>(c.n_embd),
-             vocabulary = static_cast<double>(d.shape.vocabulary);
-  double rows =
-      vocabulary + 2;  // token embedding and the last layer norm, then what is beside them
+  auto rows = static_cast<double>(d.shape.vocabulary);
   rows += static_cast<double>(
       c.position == "custom" ? sizes.frame_positions + sizes.channel_positions : c.block_size);
   if (c.history) rows += 3 * static_cast<double>(sizes.history_rows);
-  rows += static_cast<double>(c.n_layer) * (12 * width + 13);
-  double outputs = vocabulary;
-  if (c.output == "extrapolation") outputs += static_cast<double>(sizes.offsets);
-  return rows * width + outputs * (width + 1);
+  return rows * width + block_parameters(width, c.n_layer) + outputs * (width + 1);
+}
+
+double frames_parameters(const ModelDescription& d, double width, double outputs) {
+  const ModelConfig& c = d.config;
+  const auto vocabulary = static_cast<double>(d.shape.vocabulary),
+             channels = static_cast<double>(d.shape.channels),
+             narrow = static_cast<double>(c.decoder_embd);
+  const double features = channels * kFrameFeatures;
+  double rows = vocabulary + 2 * channels + 1;  // of the channel decoder's tables
+  if (c.history) rows += 3 * static_cast<double>(model_sizes(d).history_rows);
+  return (vocabulary + static_cast<double>(c.block_size) + features + 1) * width +
+         block_parameters(width, c.n_layer) + (width + features + 1) * channels * narrow +
+         rows * narrow + block_parameters(narrow, c.decoder_layer) + outputs * (narrow + 1);
+}
+
+}  // namespace
+
+double parameter_count(const ModelDescription& d) {
+  const ModelConfig& c = d.config;
+  auto outputs = static_cast<double>(d.shape.vocabulary);
+  if (c.output == "extrapolation") outputs += static_cast<double>(model_sizes(d).offsets);
+  const auto width = static_cast<double>(c.n_embd);
+  return d.frame_positions() ? frames_parameters(d, width, outputs)
+                             : flat_parameters(d, width, outputs);
 }
 
 }  // namespace mocaplm

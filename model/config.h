@@ -9,7 +9,7 @@
 namespace mocaplm {
 
 struct ModelConfig {
-  std::string architecture = "flat";  // one position a token (thesis Figure 4.1)
+  std::string architecture = "flat";
   std::int64_t n_layer = 4;
   std::int64_t n_head = 4;
   std::int64_t n_embd = 192;
@@ -19,14 +19,20 @@ struct ModelConfig {
   std::string output = "extrapolation";
   std::int64_t reach = 60;
   bool history = true;
+  std::int64_t decoder_layer = 2;
+  std::int64_t decoder_head = 4;
+  std::int64_t decoder_embd = 128;
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.choice("architecture", architecture, {"flat"}, "flat: one position a token");
+    v.choice("architecture", architecture, {"flat", "frames"},
+             "flat: one position a token (the thesis); frames: one position a frame, and a small "
+             "decoder over the channels of each frame");
     v.integer("n_layer", n_layer, 1, 96, "transformer blocks");
     v.integer("n_head", n_head, 1, 128, "attention heads; divides n_embd");
     v.integer("n_embd", n_embd, 8, 8192, "width of the embedding");
-    v.integer("block_size", block_size, 16, 65536, "tokens in the context window");
+    v.integer("block_size", block_size, 16, 65536,
+              "positions in the context window: tokens (flat) or frames (frames)");
     v.number("dropout", dropout, 0, 0.9, "embedding, attention and residual dropout");
     v.choice(
         "position", position, {"custom", "absolute"},
@@ -38,6 +44,10 @@ struct ModelConfig {
     v.integer("reach", reach, 1, 4096,
               "bins on each side of the extrapolation with a logit of their own");
     v.boolean("history", history, "embed each channel's own recent movement beside the tokens");
+    v.integer("decoder_layer", decoder_layer, 1, 32, "frames: blocks of the channel decoder");
+    v.integer("decoder_head", decoder_head, 1, 64,
+              "frames: attention heads of the channel decoder; divides decoder_embd");
+    v.integer("decoder_embd", decoder_embd, 8, 2048, "frames: width of the channel decoder");
   }
 };
 
@@ -60,6 +70,10 @@ struct ModelDescription {
       classes;                     // classified labels, values
   bool procedural = false;         // trained on procedural dances only
   Json training = Json::object();  // the resolved settings of the run that made it, for the record
+
+  bool frame_positions() const { return config.architecture == "frames"; }
+  // Positions before the first frame: start and conditions.
+  std::int64_t prefix() const { return 1 + static_cast<std::int64_t>(conditions.size()); }
 };
 
 // Throws UsageError when settings contradict each other (n_head does not divide n_embd, a block
@@ -70,9 +84,14 @@ Json to_json(const ModelDescription& description);
 // Throws DataError on missing, unknown or impossible keys.
 ModelDescription model_from_json(const Json& json, const std::string& place);
 
+// Whole frames that a window holds beside its prefix, when `reserve` positions stay free.
+std::int64_t frames_in_window(const ModelDescription& description, std::int64_t reserve = 0);
+// Tokens of such a window, prefix included: "flat" also has the beginning of one more frame.
+std::int64_t tokens_in_window(const ModelDescription& description, std::int64_t reserve = 0);
+
 // Shapes that both the trainable model and the decoding engine derive from a description.
 struct ModelSizes {
-  std::int64_t frame_positions;    // rows of the frame embedding: 0 for the prefix, then 1, 2, ...
+  std::int64_t frame_positions;    // of a window: 0 for the prefix, then 1, 2, ...
   std::int64_t channel_positions;  // rows of the channel embedding: channels, separator, prefix
   std::int64_t history_rows;  // rows of each history embedding: 0 for "none", then -reach..reach
   std::int64_t offsets;       // logits relative to the extrapolation: 2 * reach + 1

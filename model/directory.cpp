@@ -177,10 +177,10 @@ void check_input(const ModelInput& input, const ModelDescription& model, const s
                                             " at position " + std::to_string(i) +
                                             ", expected 0 to " + std::to_string(rows - 1));
   };
-  if (input.size() == 0 || static_cast<std::int64_t>(input.size()) > model.config.block_size)
+  const std::int64_t most = tokens_in_window(model);
+  if (input.size() == 0 || static_cast<std::int64_t>(input.size()) > most)
     throw DataError(in_file(place), "a window of " + std::to_string(input.size()) +
-                                        " tokens, expected 1 to " +
-                                        std::to_string(model.config.block_size));
+                                        " tokens, expected 1 to " + std::to_string(most));
   check(input.token, model.shape.vocabulary, "token");
   check(input.frame, sizes.frame_positions, "frame");
   check(input.channel, sizes.channel_positions, "channel");

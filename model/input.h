@@ -11,6 +11,10 @@ namespace mocaplm {
 
 constexpr std::int32_t kNoCentre = -1000000;
 
+// "frames": numbers that describe one channel of a frame to the time model (frame_features).
+constexpr std::int64_t kFrameLags = 9;
+constexpr std::int64_t kFrameFeatures = 7 + kFrameLags;
+
 // One input of the model: T positions. Every vector has T entries.
 struct ModelInput {
   std::vector<std::int32_t> token;  // id

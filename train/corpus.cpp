@@ -62,9 +62,7 @@ Corpus encode_split(const Dataset& dataset, const std::string& split, const Toke
 }
 
 std::size_t window_frames(const ModelDescription& model, std::int64_t reserve) {
-  const auto prefix = 1 + static_cast<std::int64_t>(model.conditions.size());
-  return static_cast<std::size_t>((model.config.block_size - prefix - reserve) /
-                                  model.shape.tokens_per_frame());
+  return static_cast<std::size_t>(frames_in_window(model, reserve));
 }
 
 Window make_window(const Corpus& corpus, const ModelDescription& model, std::size_t clip_index,
@@ -76,7 +74,7 @@ Window make_window(const Corpus& corpus, const ModelDescription& model, std::siz
   for (const std::int32_t label : clip.labels)
     prefix.push_back(
         condition_dropout > 0 && random.uniform() < condition_dropout ? Tokenizer::kMask : label);
-  const auto length = static_cast<std::size_t>(model.config.block_size - reserve);
+  const auto length = static_cast<std::size_t>(tokens_in_window(model, reserve));
   const std::size_t first = first_frame * per_frame;
   assert(first < clip.ids.size());
   const std::size_t count = std::min(length - prefix.size(), clip.ids.size() - first);

@@ -38,7 +38,7 @@ struct Window {
   std::size_t clip = 0, first_frame = 0, frames = 0;
 };
 
-// One window of `model.config.block_size` positions (padded when the clip is shorter), starting at
+// One window of `tokens_in_window` tokens (padded when the clip is shorter), starting at
 // a frame. `reserve` positions are left free at the end (classification tokens).
 Window make_window(const Corpus& corpus, const ModelDescription& model, std::size_t clip,
                    std::size_t first_frame, double condition_dropout, Random& random,

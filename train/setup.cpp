@@ -54,7 +54,7 @@ void start_fresh(TrainSetup& setup, const TrainOptions& options) {
   setup.description.config = setup.config.model;
   setup.description.tokenizer_fingerprint = setup.tokenizer.fingerprint();
   add_condition_tokens(setup, options);
-  setup.model = std::make_shared<Transformer>(setup.description);
+  setup.model = make_language_model(setup.description);
 }
 
 // The stored model's own settings win over the config file's: its weights fit no others.
@@ -71,7 +71,7 @@ void start_from(TrainSetup& setup, const TrainOptions& options) {
   setup.config.model = stored.description.config;
   setup.config.model.dropout = setup.description.config.dropout = dropout;
   add_condition_tokens(setup, options);
-  setup.model = std::make_shared<Transformer>(setup.description);
+  setup.model = make_language_model(setup.description);
   import_weights(*setup.model, language_tensors(stored.tensors), place + "/model.safetensors",
                  /*may_grow=*/true);
 }

@@ -10,7 +10,7 @@ struct TrainSetup {
   Dataset dataset;
   Tokenizer tokenizer;
   ModelDescription description;
-  std::shared_ptr<Transformer> model;
+  std::shared_ptr<LanguageModel> model;
   Corpus train, validation;
 };
 

@@ -30,6 +30,9 @@ std::uint64_t step_seed(std::int64_t seed, std::int64_t step) {
   return stable_hash("step " + std::to_string(step), static_cast<std::uint64_t>(seed));
 }
 
+// Enough to go through every part of a model; not whole frames, as a rule.
+constexpr std::size_t kSelfTestTokens = 1024;
+
 struct MicroBatches {
   std::vector<Batch> batches;
   std::int64_t targets = 0;  // tokens that count in the loss, all micro-batches together
@@ -85,7 +88,7 @@ class Run {
       waiting_ += seconds_since(waited_from);
       next = ahead(done_.step + 1);
       const double nats = one_step(batches);
-      tokens += config_.batch_size * setup_.description.config.block_size;
+      tokens += config_.batch_size * tokens_in_window(setup_.description);
       ++done_.step;
       smooth_ = smooth_ == 0 ? nats : 0.95 * smooth_ + 0.05 * nats;
       rate_ = static_cast<double>(tokens) / seconds_since(start_);
@@ -218,7 +221,8 @@ class Run {
     stored.tokenizer = setup_.tokenizer.to_json();
     std::vector<ModelInput> inputs;
     for (std::size_t i = 0; i < std::min<std::size_t>(2, validation_.size()); ++i)
-      inputs.push_back(validation_[i].input);
+      inputs.push_back(
+          slice(validation_[i].input, 0, std::min(validation_[i].input.size(), kSelfTestTokens)));
     stored.self_test = make_self_test(*setup_.model, inputs);
     for (const SelfTestCase& one : stored.self_test)
       for (const float logit : one.logits)

@@ -29,7 +29,7 @@ std::string stored_name(std::string name) {
   return name;
 }
 
-std::vector<float> last_logits(Transformer& model, const ModelInput& input) {
+std::vector<float> last_logits(LanguageModel& model, const ModelInput& input) {
   const at::NoGradGuard no_grad;
   const Batch batch = stack({input}).to(model.parameters().front().device());
   const at::Tensor hidden = model.hidden(batch);
@@ -75,7 +75,7 @@ void import_weights(torch::nn::Module& module, const TensorMap& tensors, const s
       throw DataError(in_file(place), "tensor \"" + name + "\" is not part of this model");
 }
 
-std::vector<SelfTestCase> make_self_test(Transformer& model,
+std::vector<SelfTestCase> make_self_test(LanguageModel& model,
                                          const std::vector<ModelInput>& inputs) {
   const bool was_training = model.is_training();
   const at::ScalarType precision = model.precision();
@@ -88,8 +88,9 @@ std::vector<SelfTestCase> make_self_test(Transformer& model,
   return cases;
 }
 
-std::shared_ptr<Transformer> load_transformer(const StoredModel& stored, const std::string& place) {
-  auto model = std::make_shared<Transformer>(stored.description);
+std::shared_ptr<LanguageModel> load_transformer(const StoredModel& stored,
+                                                const std::string& place) {
+  auto model = make_language_model(stored.description);
   import_weights(*model, language_tensors(stored.tensors), place + "/model.safetensors");
   model->eval();
   for (const SelfTestCase& one : stored.self_test) {

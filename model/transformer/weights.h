@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "model/directory.h"
-#include "model/transformer/transformer.h"
+#include "model/transformer/language_model.h"
 
 namespace mocaplm {
 
@@ -16,10 +16,12 @@ TensorMap export_weights(const torch::nn::Module& module);
 void import_weights(torch::nn::Module& module, const TensorMap& tensors, const std::string& place,
                     bool may_grow = false);
 
-// A transformer with the stored weights, after rerunning the stored self-test on the CPU in f32.
-std::shared_ptr<Transformer> load_transformer(const StoredModel& stored, const std::string& place);
+// The model with the stored weights, after rerunning the stored self-test on the CPU in f32.
+std::shared_ptr<LanguageModel> load_transformer(const StoredModel& stored,
+                                                const std::string& place);
 
 // A few windows with the logits that this model gives for them now.
-std::vector<SelfTestCase> make_self_test(Transformer& model, const std::vector<ModelInput>& inputs);
+std::vector<SelfTestCase> make_self_test(LanguageModel& model,
+                                         const std::vector<ModelInput>& inputs);
 
 }  // namespace mocaplm

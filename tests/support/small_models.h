@@ -30,6 +30,18 @@ inline ModelDescription small_description(const std::string& position = "custom"
   return d;
 }
 
+// "frames": 2 and 2 layers, widths 16 and 8, up to 8 frames of 3 channels beside a prefix of 1.
+inline ModelDescription small_frames_description(const std::string& output = "extrapolation",
+                                                 bool history = true) {
+  ModelDescription d = small_description("custom", output, history);
+  d.config.architecture = "frames";
+  d.config.block_size = 9;
+  d.config.decoder_layer = 2;
+  d.config.decoder_head = 2;
+  d.config.decoder_embd = 8;
+  return d;
+}
+
 // Every combination of position, output and history.
 inline std::vector<ModelDescription> all_variants() {
   std::vector<ModelDescription> all;
@@ -63,52 +75,86 @@ inline std::vector<std::int32_t> random_stream(const StreamShape& shape, std::in
   return ids;
 }
 
-// The tensors that the file of such a model holds (docs: model.safetensors), with random values
-// large enough that attention, history and both outputs all matter to the logits.
-inline TensorMap random_weights(const ModelDescription& d, std::uint64_t seed) {
-  Random random(seed);
-  TensorMap tensors;
-  const auto add = [&](const std::string& name, std::vector<std::int64_t> shape, double deviation,
-                       double mean = 0) {
+// Fills tensors with random values large enough that every part matters to the logits.
+class RandomWeights {
+ public:
+  explicit RandomWeights(std::uint64_t seed) : random_(seed) {}
+
+  void add(const std::string& name, std::vector<std::int64_t> shape, double deviation = 0.5,
+           double mean = 0) {
     NamedTensor tensor;
     tensor.shape = std::move(shape);
     for (std::int64_t i = 0; i < tensor.size(); ++i)
-      tensor.values.push_back(static_cast<float>(mean + deviation * random.normal()));
-    tensors[name] = tensor;
-  };
-  const auto linear = [&](const std::string& name, std::int64_t out, std::int64_t in) {
-    add(name + ".weight", {out, in}, 0.3);
+      tensor.values.push_back(static_cast<float>(mean + deviation * random_.normal()));
+    tensors_[name] = tensor;
+  }
+  void linear(const std::string& name, std::int64_t out, std::int64_t in, double deviation = 0.3) {
+    add(name + ".weight", {out, in}, deviation);
     add(name + ".bias", {out}, 0.1);
-  };
-  const auto norm = [&](const std::string& name, std::int64_t width) {
+  }
+  void norm(const std::string& name, std::int64_t width) {
     add(name + ".weight", {width}, 0.2, 1);
     add(name + ".bias", {width}, 0.1);
-  };
+  }
+  void blocks(const std::string& name, std::int64_t layers, std::int64_t width) {
+    for (std::int64_t i = 0; i < layers; ++i) {
+      const std::string at = name + std::to_string(i) + ".";
+      norm(at + "ln1", width);
+      linear(at + "qkv", 3 * width, width);
+      linear(at + "proj", width, width);
+      norm(at + "ln2", width);
+      linear(at + "up", 4 * width, width);
+      linear(at + "down", width, 4 * width);
+    }
+  }
+  TensorMap tensors() const { return tensors_; }
+
+ private:
+  Random random_;
+  TensorMap tensors_;
+};
+
+inline void add_frames_weights(RandomWeights& w, const ModelDescription& d) {
   const ModelConfig& c = d.config;
-  const std::int64_t width = c.n_embd;
-  add("token_embedding", {d.shape.vocabulary, width}, 0.5);
+  const std::int64_t channels = d.shape.channels, features = channels * kFrameFeatures;
+  w.add("position_embedding", {c.block_size, c.n_embd});
+  w.linear("frame_in", c.n_embd, features, 0.1);
+  w.linear("channel_in", channels * c.decoder_embd, c.n_embd + features, 0.1);
+  w.add("decoder.channel_embedding", {channels, c.decoder_embd});
+  w.add("decoder.before_embedding", {channels + 1, c.decoder_embd});
+  w.add("decoder.chosen_embedding", {d.shape.vocabulary, c.decoder_embd});
+  if (c.history)
+    for (const char* name : {"surprise", "velocity", "last_surprise"})
+      w.add(std::string("decoder.") + name, {2 * c.reach + 2, c.decoder_embd});
+  w.blocks("decoder.block.", c.decoder_layer, c.decoder_embd);
+  w.norm("decoder.ln", c.decoder_embd);
+}
+
+inline void add_flat_weights(RandomWeights& w, const ModelDescription& d) {
+  const ModelConfig& c = d.config;
   if (c.position == "custom") {
-    add("frame_embedding", {c.block_size / (d.shape.channels + 1) + 3, width}, 0.5);
-    add("channel_embedding", {d.shape.channels + 2, width}, 0.5);
+    w.add("frame_embedding", {c.block_size / (d.shape.channels + 1) + 3, c.n_embd});
+    w.add("channel_embedding", {d.shape.channels + 2, c.n_embd});
   } else {
-    add("position_embedding", {c.block_size, width}, 0.5);
+    w.add("position_embedding", {c.block_size, c.n_embd});
   }
   if (c.history)
     for (const char* name : {"history.surprise", "history.velocity", "history.last_surprise"})
-      add(name, {2 * c.reach + 2, width}, 0.5);
-  for (std::int64_t i = 0; i < c.n_layer; ++i) {
-    const std::string at = "block." + std::to_string(i) + ".";
-    norm(at + "ln1", width);
-    linear(at + "qkv", 3 * width, width);
-    linear(at + "proj", width, width);
-    norm(at + "ln2", width);
-    linear(at + "up", 4 * width, width);
-    linear(at + "down", width, 4 * width);
-  }
-  norm("ln", width);
-  linear("head", d.shape.vocabulary, width);
-  if (c.output == "extrapolation") linear("offset_head", 2 * c.reach + 1, width);
-  return tensors;
+      w.add(name, {2 * c.reach + 2, c.n_embd});
+}
+
+// The tensors that the file of such a model holds (docs: model.safetensors), with random values.
+inline TensorMap random_weights(const ModelDescription& d, std::uint64_t seed) {
+  RandomWeights w(seed);
+  const ModelConfig& c = d.config;
+  const std::int64_t width = d.frame_positions() ? c.decoder_embd : c.n_embd;
+  w.add("token_embedding", {d.shape.vocabulary, c.n_embd});
+  d.frame_positions() ? add_frames_weights(w, d) : add_flat_weights(w, d);
+  w.blocks("block.", c.n_layer, c.n_embd);
+  w.norm("ln", c.n_embd);
+  w.linear("head", d.shape.vocabulary, width);
+  if (c.output == "extrapolation") w.linear("offset_head", 2 * c.reach + 1, width);
+  return w.tensors();
 }
 
 }  // namespace mocaplm

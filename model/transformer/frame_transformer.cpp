@@ -1,0 +1,149 @@
+#include "model/transformer/frame_transformer.h"
+
+namespace mocaplm {
+
+namespace {
+
+// A logit that leaves nothing of a probability.
+constexpr double kNever = -1e4;
+
+at::Tensor shifted(const at::Tensor& x, std::int64_t frames) {
+  if (frames == 0) return x;
+  const std::int64_t kept = std::max<std::int64_t>(x.size(1) - frames, 0);
+  return at::constant_pad_nd(x.slice(1, 0, kept), {0, 0, x.size(1) - kept, 0});
+}
+
+}  // namespace
+
+at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins) {
+  const at::NoGradGuard no_grad;
+  const at::Tensor x = bin.to(at::kFloat);
+  const at::Tensor u = (2 * x + 1) / static_cast<double>(bins) - 1;
+  std::vector<at::Tensor> parts = {u};
+  for (const double times : {1., 2., 4.}) {
+    parts.push_back(at::sin(u * (times * M_PI)));
+    parts.push_back(at::cos(u * (times * M_PI)));
+  }
+  at::Tensor step = at::zeros_like(x);
+  if (x.size(1) > 1) step.slice(1, 1).copy_(at::asinh(x.slice(1, 1) - x.slice(1, 0, -1)) * 0.5);
+  for (std::int64_t lag = 0; lag < kFrameLags; ++lag) parts.push_back(shifted(step, lag));
+  return at::stack(parts, 3).flatten(2);
+}
+
+FrameTransformer::FrameTransformer(const ModelDescription& description)
+    : LanguageModel(description) {
+  const ModelConfig& c = description.config;
+  const std::int64_t channels = description.shape.channels,
+                     vocabulary = description.shape.vocabulary,
+                     features = channels * kFrameFeatures, narrow = c.decoder_embd;
+  token_ = make_table("token_embedding", vocabulary, c.n_embd);
+  position_ = make_table("position_embedding", c.block_size, c.n_embd);
+  frame_in_ = make_linear("frame_in", c.n_embd, features);
+  blocks_ = make_blocks("block.", c.n_layer, c.n_embd);
+  ln_w_ = make("ln.weight", {c.n_embd}, 0, 1);
+  ln_b_ = make("ln.bias", {c.n_embd}, 0);
+  channel_in_ = make_linear("channel_in", channels * narrow, c.n_embd + features);
+  channel_ = make_table("decoder.channel_embedding", channels, narrow);
+  before_ = make_table("decoder.before_embedding", channels + 1, narrow);
+  chosen_ = make_table("decoder.chosen_embedding", vocabulary, narrow);
+  if (c.history) {
+    const std::int64_t rows = model_sizes(description).history_rows;
+    surprise_ = make_table("decoder.surprise", rows, narrow);
+    velocity_ = make_table("decoder.velocity", rows, narrow);
+    last_surprise_ = make_table("decoder.last_surprise", rows, narrow);
+  }
+  decoder_ = make_blocks("decoder.block.", c.decoder_layer, narrow);
+  decoder_ln_w_ = make("decoder.ln.weight", {narrow}, 0, 1);
+  decoder_ln_b_ = make("decoder.ln.bias", {narrow}, 0);
+  make_output(narrow);
+}
+
+at::Tensor FrameTransformer::grid(const at::Tensor& column, std::int64_t prefix,
+                                  std::int64_t rest) const {
+  const std::int64_t per_frame = description_.shape.tokens_per_frame();
+  const at::Tensor from = column.slice(1, prefix - 1);
+  const std::int64_t frames = (from.size(1) - 1) / per_frame + 1;
+  return at::constant_pad_nd(from, {0, frames * per_frame - from.size(1)}, rest)
+      .view({column.size(0), frames, per_frame});
+}
+
+std::int64_t FrameTransformer::frames_decoded(const Batch& batch) const {
+  return (batch.token.size(1) - batch.prefix) / description_.shape.tokens_per_frame() + 1;
+}
+
+at::Tensor FrameTransformer::whole_frames(const Batch& batch) const {
+  const StreamShape& shape = description_.shape;
+  const std::int64_t per_frame = shape.tokens_per_frame(), prefix = batch.prefix;
+  const std::int64_t frames = (batch.token.size(1) - prefix) / per_frame;
+  const at::Tensor bin = batch.token.slice(1, prefix, prefix + frames * per_frame)
+                             .reshape({batch.token.size(0), frames, per_frame})
+                             .slice(2, 0, shape.channels) -
+                         shape.first_bin;
+  return frame_features(bin.clamp(0, shape.bins - 1), shape.bins);
+}
+
+at::Tensor FrameTransformer::hidden(const Batch& batch, const at::Tensor& extra) {
+  const std::int64_t size = batch.token.size(0), width = description_.config.n_embd;
+  const at::Tensor features = whole_frames(batch);
+  at::Tensor x = at::embedding(token_, batch.token.slice(1, 0, batch.prefix));
+  if (features.size(1) > 0)
+    x = at::cat({x, output_linear(frame_in_, features.flatten(0, 1), precision_)
+                        .view({size, features.size(1), width})},
+                1);
+  x = drop(x + position_.slice(0, 0, x.size(1)));
+  const std::int64_t free = extra.defined() ? extra.size(1) : 0;
+  if (free > 0) x = at::cat({x, extra}, 1);
+  x = run_blocks(blocks_, x, description_.config.n_head, free);
+  return at::layer_norm(x, {width}, ln_w_, ln_b_);
+}
+
+at::Tensor FrameTransformer::decode(const at::Tensor& hidden, const Batch& batch) const {
+  const std::int64_t channels = description_.shape.channels,
+                     narrow = description_.config.decoder_embd;
+  const std::int64_t frames = frames_decoded(batch);
+  // The state before each frame, and the features of the frame before it.
+  const at::Tensor state = hidden.slice(1, batch.prefix - 1, batch.prefix - 1 + frames);
+  const at::Tensor features = at::constant_pad_nd(whole_frames(batch), {0, 0, 1, 0});
+  at::Tensor x =
+      output_linear(channel_in_,
+                    at::cat({state, features.slice(1, 0, state.size(1))}, 2).flatten(0, 1),
+                    precision_)
+          .view({-1, channels, narrow});
+  const auto rows = [&](const at::Tensor& table, const at::Tensor& column) {
+    return at::embedding(
+        table, grid(column, batch.prefix, 0).slice(2, 0, channels).reshape({-1, channels}));
+  };
+  x = x + channel_ + before_.slice(0, 0, channels) + rows(chosen_, batch.token);
+  if (surprise_.defined())
+    x = x + rows(surprise_, batch.surprise) + rows(velocity_, batch.velocity) +
+        rows(last_surprise_, batch.last_surprise);
+  x = run_blocks(decoder_, drop(x), description_.config.decoder_head, 0);
+  return at::layer_norm(x, {narrow}, decoder_ln_w_, decoder_ln_b_).flatten(0, 1);
+}
+
+at::Tensor FrameTransformer::logits(const at::Tensor& hidden, const Batch& batch) {
+  const StreamShape& shape = description_.shape;
+  const at::Tensor centre = grid(batch.centre, batch.prefix, kNoCentre).slice(2, 0, shape.channels);
+  const std::int64_t size = centre.size(0), frames = centre.size(1);
+  const at::Tensor bins = output_logits(decode(hidden, batch), centre.reshape({-1}))
+                              .view({size, frames, shape.channels, -1});
+  // After the last channel comes the separator, certainly.
+  at::Tensor end = at::full({size, frames, 1, bins.size(3)}, kNever, bins.options());
+  end.select(3, shape.first_bin - 1).zero_();
+  const at::Tensor all = at::cat({bins, end}, 2).flatten(1, 2);
+  const std::int64_t before = batch.prefix - 1;
+  return at::constant_pad_nd(all.slice(1, 0, batch.token.size(1) - before), {0, 0, before, 0});
+}
+
+at::Tensor FrameTransformer::loss(const at::Tensor& hidden, const Batch& batch) {
+  const std::int64_t channels = description_.shape.channels;
+  const at::Tensor centre = grid(batch.centre, batch.prefix, kNoCentre).slice(2, 0, channels),
+                   target = grid(batch.target, batch.prefix, -1).slice(2, 0, channels);
+  const at::Tensor nats =
+      output_loss(decode(hidden, batch), centre.reshape({-1}), target.reshape({-1}));
+  const std::int64_t before = batch.prefix - 1;
+  const at::Tensor all = at::constant_pad_nd(nats.view(centre.sizes()), {0, 1}).flatten(1, 2);
+  return at::constant_pad_nd(all.slice(1, 0, batch.token.size(1) - before), {before, 0});
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,46 @@
+// "architecture": "frames": one position a frame for a causal transformer over time, and a small
+// causal transformer over the channels of one frame, the channel decoder.
+//
+// The time model reads numbers that describe each whole frame (frame_features). Its state before a
+// frame, and the features of the frame before, give each channel of that frame an input of its own
+// to the channel decoder, where the channel's own recent movement and the channel chosen just
+// before are added. So a window of 1,024 positions is 1,024 frames where the flat model has 23, and
+// a frame costs one step of the large model and as many of the small one as there are channels.
+#pragma once
+
+#include "model/transformer/language_model.h"
+
+namespace mocaplm {
+
+// (B, F, C) bins of whole frames -> (B, F, C * kFrameFeatures): of each channel its place u in its
+// range, sin and cos of pi u, 2 pi u and 4 pi u, and half the inverse hyperbolic sine of its last
+// kFrameLags steps in bins, latest first, 0 before the window's second frame.
+at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins);
+
+class FrameTransformer : public LanguageModel {
+ public:
+  explicit FrameTransformer(const ModelDescription& description);
+
+  // A batch is a prefix and frames, the last of which may be unfinished.
+  at::Tensor hidden(const Batch& batch, const at::Tensor& extra = {}) override;
+  at::Tensor logits(const at::Tensor& hidden, const Batch& batch) override;
+  at::Tensor loss(const at::Tensor& hidden, const Batch& batch) override;
+
+ private:
+  // Columns of the batch from the position that predicts the first frame's first channel on, as
+  // (B, frames, C + 1); filled up with `rest` behind the batch's end.
+  at::Tensor grid(const at::Tensor& column, std::int64_t prefix, std::int64_t rest) const;
+  at::Tensor whole_frames(const Batch& batch) const;  // features of them
+  // Final normalised states of the channel decoder, (B * frames * C, width).
+  at::Tensor decode(const at::Tensor& hidden, const Batch& batch) const;
+  std::int64_t frames_decoded(const Batch& batch) const;
+
+  at::Tensor token_, position_;
+  LinearWeights frame_in_, channel_in_;
+  std::vector<BlockWeights> blocks_, decoder_;
+  at::Tensor ln_w_, ln_b_;
+  at::Tensor channel_, before_, chosen_, surprise_, velocity_, last_surprise_;
+  at::Tensor decoder_ln_w_, decoder_ln_b_;
+};
+
+}  // namespace mocaplm

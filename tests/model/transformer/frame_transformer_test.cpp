@@ -1,0 +1,341 @@
+// The frame model against a plain reading of its definition, one channel after the other in double
+// precision; causality; gradients; unfinished frames.
+#include "model/transformer/frame_transformer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "model/transformer/weights.h"
+#include "support/small_models.h"
+
+namespace mocaplm {
+
+namespace {
+
+using Ids = std::vector<std::int32_t>;
+
+std::shared_ptr<LanguageModel> random_model(const ModelDescription& d, std::uint64_t seed) {
+  auto model = make_language_model(d);
+  import_weights(*model, random_weights(d, seed), "made up");
+  model->eval();
+  return model;
+}
+
+std::vector<ModelDescription> variants() {
+  return {small_frames_description(), small_frames_description("absolute"),
+          small_frames_description("extrapolation", false)};
+}
+
+// A stream of which the first frames lie before the window, as they do within a clip.
+constexpr std::int64_t kBefore = 3;
+
+Ids random_ids(const ModelDescription& d, std::uint64_t seed) {
+  Random random(seed);
+  return random_stream(d.shape, kBefore + frames_in_window(d), random);
+}
+
+ModelInput window(const ModelDescription& d, const Ids& ids, std::size_t count = 0) {
+  const auto first = static_cast<std::size_t>(kBefore * d.shape.tokens_per_frame());
+  return window_input(d, {2}, ids, first, count > 0 ? count : ids.size() - first);
+}
+
+Batch random_batch(const ModelDescription& d, std::uint64_t seed) {
+  std::vector<ModelInput> inputs;
+  std::vector<Ids> targets;
+  for (std::uint64_t b = 0; b < 2; ++b) {
+    const Ids ids = random_ids(d, seed + b);
+    inputs.push_back(window(d, ids));
+    targets.emplace_back(ids.begin() + kBefore * d.shape.tokens_per_frame(), ids.end());
+    targets.back().push_back(-1);
+    targets.back()[2] = -1;
+  }
+  return stack(inputs, targets);
+}
+
+at::Tensor logits_of(LanguageModel& model, const Batch& batch) {
+  const at::NoGradGuard no_grad;
+  return model.logits(model.hidden(batch), batch);
+}
+
+double largest_difference(const at::Tensor& a, const at::Tensor& b) {
+  return (a.to(at::kDouble) - b.to(at::kDouble)).abs().max().item<double>();
+}
+
+// The definition once more, for one window: vectors of doubles, nothing batched.
+class Reference {
+ public:
+  Reference(const ModelDescription& d, const TensorMap& weights) : d_(d), weights_(weights) {
+    for (const auto& [name, t] : weights)
+      w_[name] = at::from_blob(const_cast<float*>(t.values.data()), t.shape, at::kFloat)
+                     .to(at::kDouble)
+                     .clone()
+                     .set_requires_grad(true);
+  }
+  const std::map<std::string, at::Tensor>& weights() const { return w_; }
+
+  // Logits (V) of the next token of a window with these positions (prefix of one token).
+  at::Tensor next(const ModelInput& in, std::size_t positions) const {
+    const auto per_frame = static_cast<std::size_t>(d_.shape.tokens_per_frame());
+    const std::size_t frame = (positions - 1) / per_frame, channel = (positions - 1) % per_frame;
+    std::vector<at::Tensor> x = {row("token_embedding", in.token[0]) +
+                                 row("position_embedding", 0)};
+    for (std::size_t t = 0; t < frame; ++t)
+      x.push_back(linear("frame_in", features(in, t)) +
+                  row("position_embedding", static_cast<std::int64_t>(t) + 1));
+    const at::Tensor state =
+        norm("ln", blocks("block.", d_.config.n_layer, d_.config.n_head, at::stack(x)))[-1];
+    const at::Tensor before = frame > 0
+                                  ? features(in, frame - 1)
+                                  : at::zeros({d_.shape.channels * kFrameFeatures}, at::kDouble);
+    const at::Tensor own = linear("channel_in", at::cat({state, before}))
+                               .view({d_.shape.channels, d_.config.decoder_embd});
+    std::vector<at::Tensor> y;
+    for (std::size_t c = 0; c <= channel; ++c) {
+      const std::size_t p = frame * per_frame + c;  // the position before this channel
+      const auto i = static_cast<std::int64_t>(c);
+      at::Tensor one = own[i] + row("decoder.channel_embedding", i) +
+                       row("decoder.before_embedding", i) +
+                       row("decoder.chosen_embedding", in.token[p]);
+      if (d_.config.history)
+        one = one + row("decoder.surprise", in.surprise[p]) +
+              row("decoder.velocity", in.velocity[p]) +
+              row("decoder.last_surprise", in.last_surprise[p]);
+      y.push_back(one);
+    }
+    const at::Tensor last = norm("decoder.ln", blocks("decoder.block.", d_.config.decoder_layer,
+                                                      d_.config.decoder_head, at::stack(y)))[-1];
+    at::Tensor logits = linear("head", last);
+    const std::int64_t centre = in.centre[positions - 1];
+    if (d_.config.output != "extrapolation" || centre == kNoCentre) return logits;
+    const at::Tensor offsets = linear("offset_head", last);
+    std::vector<at::Tensor> all;
+    for (std::int64_t v = 0; v < d_.shape.vocabulary; ++v) {
+      const std::int64_t bin = v - d_.shape.first_bin;
+      at::Tensor logit = logits[v];
+      if (bin >= 0 && bin < d_.shape.bins)
+        logit =
+            logit +
+            offsets[std::clamp(bin - centre, -d_.config.reach, d_.config.reach) + d_.config.reach];
+      all.push_back(logit);
+    }
+    return at::stack(all);
+  }
+
+ private:
+  at::Tensor features(const ModelInput& in, std::size_t frame) const {
+    const auto per_frame = static_cast<std::size_t>(d_.shape.tokens_per_frame());
+    const auto bin = [&](std::size_t t, std::int64_t c) {
+      return static_cast<double>(in.token[1 + t * per_frame + static_cast<std::size_t>(c)] -
+                                 d_.shape.first_bin);
+    };
+    std::vector<double> values;
+    for (std::int64_t c = 0; c < d_.shape.channels; ++c) {
+      const double u = (2 * bin(frame, c) + 1) / static_cast<double>(d_.shape.bins) - 1;
+      values.push_back(u);
+      for (const int k : {1, 2, 4}) {
+        values.push_back(std::sin(k * M_PI * u));
+        values.push_back(std::cos(k * M_PI * u));
+      }
+      for (std::size_t lag = 0; lag < static_cast<std::size_t>(kFrameLags); ++lag)
+        values.push_back(
+            frame < lag + 1 ? 0 : std::asinh(bin(frame - lag, c) - bin(frame - lag - 1, c)) / 2);
+    }
+    return at::tensor(values, at::kDouble);
+  }
+  at::Tensor row(const std::string& name, std::int64_t index) const { return w_.at(name)[index]; }
+  at::Tensor linear(const std::string& name, const at::Tensor& x) const {
+    return at::matmul(x, w_.at(name + ".weight").t()) + w_.at(name + ".bias");
+  }
+  at::Tensor norm(const std::string& name, const at::Tensor& x) const {
+    const at::Tensor centred = x - x.mean({-1}, true);
+    return centred / (centred.square().mean({-1}, true) + 1e-5).sqrt() * w_.at(name + ".weight") +
+           w_.at(name + ".bias");
+  }
+  at::Tensor blocks(const std::string& name, std::int64_t layers, std::int64_t heads,
+                    at::Tensor x) const {
+    for (std::int64_t i = 0; i < layers; ++i) {
+      const std::string at = name + std::to_string(i) + ".";
+      x = x + linear(at + "proj", attention(linear(at + "qkv", norm(at + "ln1", x)), heads));
+      const at::Tensor up = linear(at + "up", norm(at + "ln2", x));
+      x = x + linear(at + "down", 0.5 * up * (1 + at::erf(up / std::sqrt(2))));
+    }
+    return x;
+  }
+  static at::Tensor attention(const at::Tensor& qkv, std::int64_t heads) {
+    const std::int64_t length = qkv.size(0), width = qkv.size(1) / 3, head = width / heads;
+    const at::Tensor mask =
+        at::full({length, length}, -std::numeric_limits<double>::infinity(), at::kDouble).triu(1);
+    std::vector<at::Tensor> outs;
+    for (std::int64_t h = 0; h < heads; ++h) {
+      const auto part = [&](std::int64_t which) {
+        return qkv.narrow(1, which * width + h * head, head);
+      };
+      const at::Tensor scores =
+          at::matmul(part(0), part(1).t()) / std::sqrt(static_cast<double>(head));
+      outs.push_back(at::matmul(at::softmax(scores + mask, -1), part(2)));
+    }
+    return at::cat(outs, 1);
+  }
+
+  ModelDescription d_;
+  TensorMap weights_;
+  std::map<std::string, at::Tensor> w_;
+};
+
+TEST(FrameTransformer, AgreesWithItsDefinitionAtEveryPosition) {
+  for (const ModelDescription& d : variants()) {
+    const auto model = random_model(d, 1);
+    const Reference reference(d, random_weights(d, 1));
+    const ModelInput input = window(d, random_ids(d, 2));
+    const at::Tensor logits = logits_of(*model, stack({input}))[0];
+    ASSERT_EQ(logits.size(0), static_cast<std::int64_t>(input.size()));
+    for (std::size_t p = 1; p <= input.size(); ++p) {
+      if ((p - 1) % 4 == 3) continue;  // the separator comes next
+      EXPECT_LT(
+          largest_difference(logits[static_cast<std::int64_t>(p) - 1], reference.next(input, p)),
+          1e-4)
+          << variant_name(d) << ", position " << p;
+    }
+  }
+}
+
+TEST(FrameTransformer, TheSeparatorIsCertainAndCostsNothing) {
+  const ModelDescription d = small_frames_description();
+  const auto model = random_model(d, 1);
+  const Batch batch = random_batch(d, 2);
+  const at::Tensor logs = at::log_softmax(logits_of(*model, batch), -1);
+  const at::NoGradGuard no_grad;
+  const at::Tensor loss = model->loss(model->hidden(batch), batch);
+  for (std::int64_t p = 3; p < batch.token.size(1); p += 4) {
+    EXPECT_EQ(logs[0][p][3].item<float>(), 0) << p;
+    EXPECT_EQ(loss[0][p].item<float>(), 0) << p;
+  }
+}
+
+TEST(FrameTransformer, TheLossIsTheCrossEntropyOfTheLogits) {
+  for (const ModelDescription& d : variants()) {
+    const auto model = random_model(d, 3);
+    const Batch batch = random_batch(d, 4);
+    const at::Tensor picked = at::log_softmax(logits_of(*model, batch), -1)
+                                  .gather(2, batch.target.clamp_min(0).unsqueeze(2))
+                                  .squeeze(2);
+    const at::Tensor expected = at::where(batch.target >= 0, -picked, at::zeros_like(picked));
+    const at::NoGradGuard no_grad;
+    EXPECT_LT(largest_difference(model->loss(model->hidden(batch), batch), expected), 1e-4);
+  }
+}
+
+TEST(FrameTransformer, GradientsOfEveryParameterAgreeWithTheDefinition) {
+  for (const ModelDescription& d : variants()) {
+    const auto model = random_model(d, 5);
+    const Reference reference(d, random_weights(d, 5));
+    const Ids ids = random_ids(d, 6);
+    const ModelInput input = window(d, ids);
+    Ids target(input.token.begin() + 1, input.token.end());
+    target.push_back(-1);
+    const Batch batch = stack({input}, {target});
+    model->loss(model->hidden(batch), batch).sum().backward();
+    at::Tensor total = at::zeros({}, at::kDouble);
+    for (std::size_t p = 1; p < input.size(); ++p)
+      if ((p - 1) % 4 != 3)
+        total = total - at::log_softmax(reference.next(input, p), -1)[input.token[p]];
+    total.backward();
+    for (const auto& item : model->named_parameters()) {
+      std::string name = item.key();
+      std::replace(name.begin(), name.end(), '/', '.');
+      const at::Tensor expected = reference.weights().at(name).grad();
+      ASSERT_TRUE(item.value().grad().defined()) << name;
+      EXPECT_LT(largest_difference(item.value().grad(), expected),
+                2e-4 * (1 + expected.abs().max().item<double>()))
+          << name << ", " << variant_name(d);
+    }
+  }
+}
+
+TEST(FrameTransformer, ATokenNeverChangesWhatComesBeforeIt) {
+  for (const ModelDescription& d : variants()) {
+    const auto model = random_model(d, 7);
+    const Ids ids = random_ids(d, 8);
+    const at::Tensor before = logits_of(*model, stack({window(d, ids)}));
+    for (std::size_t at = 0; at + 1 < window(d, ids).size(); ++at) {
+      if (at % 4 == 3) continue;  // a separator is always one
+      Ids changed = ids;
+      std::int32_t& id = changed[at + static_cast<std::size_t>(kBefore) * 4];
+      id = id == 5 ? 9 : 5;
+      const at::Tensor after = logits_of(*model, stack({window(d, changed)}));
+      const auto position = static_cast<std::int64_t>(at) + 1;
+      EXPECT_LT(largest_difference(after.narrow(1, 0, position), before.narrow(1, 0, position)),
+                1e-6)
+          << variant_name(d) << ", token " << at;
+      const std::int64_t next = at % 4 == 2 ? position + 1 : position;  // behind the separator
+      if (next < before.size(1)) {
+        EXPECT_GT(largest_difference(after.select(1, next), before.select(1, next)), 1e-5)
+            << variant_name(d) << ", token " << at;
+      }
+    }
+  }
+}
+
+TEST(FrameTransformer, AnUnfinishedFrameIsReadAsFarAsItGoes) {
+  const ModelDescription d = small_frames_description();
+  const auto model = random_model(d, 9);
+  const Ids ids = random_ids(d, 10);
+  const at::Tensor whole = logits_of(*model, stack({window(d, ids)}))[0];
+  for (std::size_t count = 1; count <= 12; ++count) {
+    const at::Tensor part = logits_of(*model, stack({window(d, ids, count)}))[0];
+    ASSERT_EQ(part.size(0), static_cast<std::int64_t>(count) + 1);
+    EXPECT_LT(largest_difference(part, whole.slice(0, 0, part.size(0))), 1e-5) << count;
+  }
+}
+
+TEST(FrameTransformer, FreeTokensSeeEveryFrameAndAreSeenByNone) {
+  const ModelDescription d = small_frames_description();
+  const auto model = random_model(d, 11);
+  const at::NoGradGuard no_grad;
+  Ids ids = random_ids(d, 12);
+  const Batch batch = stack({window(d, ids, 28)});  // 7 frames
+  at::manual_seed(13);
+  const at::Tensor extra = at::randn({1, 1, d.config.n_embd});
+  const at::Tensor with = model->hidden(batch, extra);
+  ASSERT_EQ(with.size(1), 1 + 7 + 1);
+  EXPECT_LT(largest_difference(with.slice(1, 0, 8), model->hidden(batch)), 1e-6);
+  for (std::size_t frame = 0; frame < 7; ++frame) {
+    Ids changed = ids;
+    std::int32_t& id = changed[(static_cast<std::size_t>(kBefore) + frame) * 4 + 1];
+    id = id == 5 ? 9 : 5;
+    const at::Tensor after = model->hidden(stack({window(d, changed, 28)}), extra);
+    EXPECT_GT(largest_difference(after[0][8], with[0][8]), 1e-5) << frame;
+  }
+}
+
+TEST(FrameTransformer, Bf16IsCloseToF32) {
+  ModelDescription d = small_frames_description();
+  d.config.decoder_embd = 16;  // a width that the kernels take
+  const auto model = random_model(d, 14);
+  const Batch batch = random_batch(d, 15);
+  const auto mean_loss = [&] {
+    const at::NoGradGuard no_grad;
+    return model->loss(model->hidden(batch), batch).mean().item<double>();
+  };
+  const double exact = mean_loss();
+  model->set_precision(at::kBFloat16);
+  EXPECT_NEAR(mean_loss(), exact, 0.02 * exact);
+  model->loss(model->hidden(batch), batch).sum().backward();
+  for (const at::Tensor& parameter : model->parameters())
+    EXPECT_TRUE(at::isfinite(parameter.grad()).all().item<bool>());
+}
+
+TEST(FrameTransformer, ItsParametersAreAsManyAsTheConfigSays) {
+  for (const ModelDescription& d : variants()) {
+    double count = 0;
+    for (const at::Tensor& parameter : make_language_model(d)->parameters())
+      count += static_cast<double>(parameter.numel());
+    EXPECT_EQ(count, parameter_count(d)) << variant_name(d);
+  }
+}
+
+}  // namespace
+
+}  // namespace mocaplm
