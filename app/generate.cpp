@@ -137,7 +137,7 @@ void add_generate(CLI::App& app) {
   generate
       ->add_option("--batch", command->batch,
                    "dances of --count that are decoded side by side; each is the same alone")
-      ->check(CLI::Range(std::int64_t{1}, Engine::kMaxSequences))
+      ->check(CLI::Range(std::int64_t{1}, kMaxSequences))
       ->capture_default_str();
   generate
       ->add_option("--precision", command->precision,

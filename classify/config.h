@@ -18,6 +18,7 @@ struct ClassifyConfig {
   double language_loss = 1;
   double short_windows = 0.7;
   std::int64_t short_frames = 0;
+  std::int64_t window_frames = 0;
   bool mirror = false;
   std::int64_t validate_every = 100;
   double max_minutes = 0;
@@ -41,6 +42,9 @@ struct ClassifyConfig {
              "many steps in the same time");
     v.integer("short_frames", short_frames, 0, 100000,
               "frames of those windows; 0 for a fifth of a whole window");
+    v.integer("window_frames", window_frames, 0, 100000,
+              "frames of a whole window; 0 for the context's, or for \"frames\" as many as 1,024 "
+              "tokens have");
     v.boolean("mirror", mirror,
               "also train on mirrored clips; left and right change places in their labels");
     v.integer("validate_every", validate_every, 1, 10000000,

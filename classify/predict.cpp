@@ -32,8 +32,7 @@ StoredClassifier load_classifier(const PredictOptions& options, const at::Device
   out.tokenizer =
       Tokenizer::of_model(stored.tokenizer, stored.description.tokenizer_fingerprint, place);
   stored.description.conditions.clear();
-  out.window_frames =
-      window_frames(stored.description, static_cast<std::int64_t>(out.tasks.size()));
+  out.window_frames = static_cast<std::size_t>(stored.description.class_frames);
   const TensorMap tensors = stored.tensors;
   auto transformer = load_transformer(stored, place);
   transformer->set_precision(choose_precision(options.precision, device));

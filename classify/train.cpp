@@ -38,6 +38,18 @@ struct Setup {
   LabelledSplit train, validation, test;
 };
 
+// The thesis classifies windows of 1,024 tokens.
+std::size_t chosen_window(const ClassifyConfig& config, const ModelDescription& model,
+                          std::size_t tasks) {
+  const std::int64_t room = frames_in_window(model, static_cast<std::int64_t>(tasks));
+  if (config.window_frames > room)
+    throw UsageError("window_frames " + std::to_string(config.window_frames) +
+                     ": the model's context has room for " + std::to_string(room));
+  std::int64_t frames = config.window_frames;
+  if (frames == 0 && model.frame_positions()) frames = 1024 / model.shape.tokens_per_frame();
+  return static_cast<std::size_t>(frames == 0 ? room : std::min(frames, room));
+}
+
 Setup set_up(const ClassifyOptions& options) {
   Setup s;
   s.place = resolve_model(options.model).string();
@@ -48,7 +60,7 @@ Setup set_up(const ClassifyOptions& options) {
   s.tasks = make_tasks(s.dataset, options.config.labels);
   // A classifier is told no conditions: they would tell it the answer.
   s.stored.description.conditions.clear();
-  s.window_frames = window_frames(s.stored.description, static_cast<std::int64_t>(s.tasks.size()));
+  s.window_frames = chosen_window(options.config, s.stored.description, s.tasks.size());
   const auto split = [&](const char* name, bool mirror) {
     return label_split(s.dataset, name, s.tokenizer, s.tasks, s.window_frames, mirror,
                        options.threads);
@@ -224,6 +236,7 @@ void save(const ClassifyOptions& options, const Setup& s, Classifier& classifier
           const ClassifyResult& result) {
   StoredModel stored = s.stored;
   for (const Task& task : s.tasks) stored.description.classes.emplace_back(task.label, task.values);
+  stored.description.class_frames = static_cast<std::int64_t>(s.window_frames);
   stored.tensors = export_weights(classifier);
   classifier.transformer().to(at::kCPU);
   std::vector<ModelInput> inputs;

@@ -133,8 +133,9 @@ std::vector<BitCount> score(const EvaluateOptions& options, const StoredModel& s
   const auto done = [&](std::size_t windows, std::size_t) { bar.update(windows); };
   std::vector<BitCount> scores;
   if (!options.engine.empty()) {
-    Engine engine(stored, place, {named_precision(options.engine), options.threads, kAtOnce});
-    scores = score_clips(engine, clips, done);
+    const auto decoder =
+        make_decoder(stored, place, {named_precision(options.engine), options.threads, kAtOnce});
+    scores = score_clips(*decoder, clips, done);
   } else {
     const auto model = load_transformer(stored, place);
     const at::Device device = choose_device(options.device);

@@ -53,10 +53,10 @@ std::vector<std::int32_t> padded_target(const ModelDescription& model, const Sco
   return target;
 }
 
-// Nats of each target of several windows, one list a window; what stands where there is no target
-// is not looked at.
-using WindowNats = std::function<std::vector<std::vector<float>>(
-    const std::vector<ModelInput>& inputs, const std::vector<std::vector<std::int32_t>>&)>;
+// Nats of every token of several windows, from the first frame of each on; `length` is that of the
+// longest with its prefix. What comes before a window's scored frames is not looked at.
+using WindowNats = std::function<std::vector<std::vector<float>>(const std::vector<Piece>& pieces,
+                                                                 std::size_t length)>;
 
 std::vector<BitCount> score_windows(const ModelDescription& d, const std::vector<ScoredClip>& clips,
                                     std::int64_t windows_at_once, const WindowNats& window_nats,
@@ -71,24 +71,17 @@ std::vector<BitCount> score_windows(const ModelDescription& d, const std::vector
   const auto at_once = static_cast<std::size_t>(windows_at_once);
   for (std::size_t i = 0; i < pieces.size(); i += at_once) {
     const std::size_t end = std::min(i + at_once, pieces.size());
+    const std::vector<Piece> some(pieces.begin() + static_cast<std::ptrdiff_t>(i),
+                                  pieces.begin() + static_cast<std::ptrdiff_t>(end));
     std::size_t length = 0;
-    for (std::size_t p = i; p < end; ++p)
-      length = std::max(length, clips[pieces[p].clip].prefix.size() +
-                                    (pieces[p].last - pieces[p].first) * per_frame - 1);
-    std::vector<ModelInput> inputs;
-    std::vector<std::vector<std::int32_t>> targets;
-    for (std::size_t p = i; p < end; ++p) {
-      inputs.push_back(padded_input(d, clips[pieces[p].clip], pieces[p], length));
-      targets.push_back(padded_target(d, clips[pieces[p].clip], pieces[p], length));
-    }
-    const std::vector<std::vector<float>> nats = window_nats(inputs, targets);
-    for (std::size_t p = i; p < end; ++p) {
-      const Piece& piece = pieces[p];
-      const float* row = nats[p - i].data() + clips[piece.clip].prefix.size() - 1;
-      for (std::size_t t = (piece.scored - piece.first) * per_frame;
-           t < (piece.last - piece.first) * per_frame; ++t)
-        counts[piece.clip].bits[t % per_frame] += row[t] / std::log(2.0);
-    }
+    for (const Piece& piece : some)
+      length = std::max(
+          length, clips[piece.clip].prefix.size() + (piece.last - piece.first) * per_frame - 1);
+    const std::vector<std::vector<float>> nats = window_nats(some, length);
+    for (std::size_t w = 0; w < some.size(); ++w)
+      for (std::size_t t = (some[w].scored - some[w].first) * per_frame;
+           t < (some[w].last - some[w].first) * per_frame; ++t)
+        counts[some[w].clip].bits[t % per_frame] += nats[w][t] / std::log(2.0);
     if (progress) progress(end, pieces.size());
   }
   return counts;
@@ -108,38 +101,63 @@ std::vector<BitCount> score_clips(LanguageModel& model, const std::vector<Scored
   const at::NoGradGuard no_grad;
   model.eval();
   const at::Device device = model.parameters().front().device();
-  const auto window_nats = [&](const auto& inputs, const auto& targets) {
+  const auto window_nats = [&](const std::vector<Piece>& pieces, std::size_t length) {
+    std::vector<ModelInput> inputs;
+    std::vector<std::vector<std::int32_t>> targets;
+    for (const Piece& piece : pieces) {
+      inputs.push_back(padded_input(model.description(), clips[piece.clip], piece, length));
+      targets.push_back(padded_target(model.description(), clips[piece.clip], piece, length));
+    }
     const Batch batch = stack(inputs, targets).to(device);
     const at::Tensor nats = model.loss(model.hidden(batch), batch).to(at::kCPU).contiguous();
     std::vector<std::vector<float>> rows;
-    for (std::int64_t w = 0; w < nats.size(0); ++w) {
-      const float* row = nats.data_ptr<float>() + w * nats.size(1);
-      rows.emplace_back(row, row + nats.size(1));
+    for (std::size_t w = 0; w < pieces.size(); ++w) {
+      const float* row = nats.data_ptr<float>() + static_cast<std::int64_t>(w) * nats.size(1);
+      rows.emplace_back(row + clips[pieces[w].clip].prefix.size() - 1, row + nats.size(1));
     }
     return rows;
   };
   return score_windows(model.description(), clips, windows_at_once, window_nats, progress);
 }
 
-std::vector<BitCount> score_clips(Engine& engine, const std::vector<ScoredClip>& clips,
+std::vector<BitCount> score_clips(Decoder& decoder, const std::vector<ScoredClip>& clips,
                                   const WindowsDone& progress) {
-  const auto window_nats = [&](const std::vector<ModelInput>& inputs, const auto& targets) {
-    std::vector<std::vector<float>> rows(inputs.size(),
-                                         std::vector<float>(inputs.front().size(), 0.f));
-    for (std::size_t w = 0; w < inputs.size(); ++w) engine.reset(static_cast<std::int64_t>(w));
-    for (std::size_t t = 0; t < inputs.front().size(); ++t) {
-      std::vector<ModelInput> positions;
-      std::vector<Engine::Feed> feeds;
-      for (const ModelInput& input : inputs) positions.push_back(slice(input, t, t + 1));
-      for (std::size_t w = 0; w < inputs.size(); ++w)
-        feeds.push_back({static_cast<std::int64_t>(w), &positions[w]});
-      const auto& logits = engine.feed(feeds);
-      for (std::size_t w = 0; w < inputs.size(); ++w)
-        if (targets[w][t] >= 0) rows[w][t] = nats_of(logits[w], targets[w][t]);
+  const ModelDescription& d = decoder.description();
+  const auto per_frame = static_cast<std::size_t>(d.shape.tokens_per_frame());
+  const auto window_nats = [&](const std::vector<Piece>& pieces, std::size_t) {
+    std::vector<std::vector<float>> rows(pieces.size());
+    std::size_t longest = 0;
+    for (std::size_t w = 0; w < pieces.size(); ++w) {
+      const Piece& piece = pieces[w];
+      const ScoredClip& clip = clips[piece.clip];
+      const auto begin = clip.ids.begin();
+      decoder.begin(static_cast<std::int64_t>(w), clip.prefix,
+                    {begin, begin + static_cast<std::ptrdiff_t>(piece.first * per_frame)});
+      rows[w].assign((piece.last - piece.first) * per_frame, 0.f);
+      longest = std::max(longest, rows[w].size());
+    }
+    for (std::size_t t = 0; t < longest; ++t) {
+      std::vector<std::int64_t> asked;
+      for (std::size_t w = 0; w < pieces.size(); ++w)
+        if (t % per_frame + 1 < per_frame && t < rows[w].size() &&
+            t >= (pieces[w].scored - pieces[w].first) * per_frame)
+          asked.push_back(static_cast<std::int64_t>(w));
+      const auto id = [&](std::size_t w) {
+        return clips[pieces[w].clip].ids[pieces[w].first * per_frame + t];
+      };
+      if (!asked.empty()) {
+        const auto& logits = decoder.logits(asked);
+        for (std::size_t i = 0; i < asked.size(); ++i) {
+          const auto w = static_cast<std::size_t>(asked[i]);
+          rows[w][t] = nats_of(logits[i], id(w));
+        }
+      }
+      for (std::size_t w = 0; w < pieces.size(); ++w)
+        if (t + 1 < rows[w].size()) decoder.push(static_cast<std::int64_t>(w), id(w));
     }
     return rows;
   };
-  return score_windows(engine.description(), clips, engine.sequences(), window_nats, progress);
+  return score_windows(d, clips, decoder.sequences(), window_nats, progress);
 }
 
 }  // namespace mocaplm

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "evaluate/baselines.h"
-#include "generate/engine.h"
+#include "generate/decoder.h"
 #include "model/transformer/language_model.h"
 #include "motion/clip.h"
 
@@ -25,9 +25,9 @@ using WindowsDone = std::function<void(std::size_t, std::size_t)>;
 std::vector<BitCount> score_clips(LanguageModel& model, const std::vector<ScoredClip>& clips,
                                   std::int64_t windows_at_once,
                                   const WindowsDone& progress = nullptr);
-// The same token by token through the engine that generates, as many windows at once as it has
-// sequences: what its precision costs.
-std::vector<BitCount> score_clips(Engine& engine, const std::vector<ScoredClip>& clips,
+// The same token by token through the decoder that generates, as many windows at once as it has
+// sequences: what its precision costs. Separators, which it never chooses, cost nothing.
+std::vector<BitCount> score_clips(Decoder& decoder, const std::vector<ScoredClip>& clips,
                                   const WindowsDone& progress = nullptr);
 
 }  // namespace mocaplm

@@ -1,31 +1,47 @@
 #include "generate/dance.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace mocaplm {
 
-DanceInMaking::DanceInMaking(std::size_t index, const GenerateRequest& request, Engine& engine,
+namespace {
+
+// The stream's order, or with those channels first that the prompt gives in its first frame.
+std::vector<int> decoding_order(const GeneratePlan& plan, const Decoder& decoder) {
+  std::vector<int> order(static_cast<std::size_t>(decoder.description().shape.channels));
+  std::iota(order.begin(), order.end(), 0);
+  if (decoder.any_order() && plan.given.size() >= order.size())
+    std::stable_partition(order.begin(), order.end(), [&](int channel) {
+      return plan.given[static_cast<std::size_t>(channel)] != kFree;
+    });
+  return order;
+}
+
+}  // namespace
+
+DanceInMaking::DanceInMaking(std::size_t index, const GenerateRequest& request, Decoder& decoder,
                              const Tokenizer& tokenizer, const Generator::OnFrame& on_frame)
     : index_(index),
       labels_(request.labels),
-      engine_(engine),
+      decoder_(decoder),
       tokenizer_(tokenizer),
       on_frame_(on_frame),
       plan_(plan_generation(request, tokenizer)),
-      prefix_(condition_prefix(request.labels, engine.description(), tokenizer)),
+      prefix_(condition_prefix(request.labels, decoder.description(), tokenizer)),
       sampler_(request.sampling),
-      per_frame_(static_cast<std::size_t>(tokenizer.tokens_per_frame())) {}
+      per_frame_(static_cast<std::size_t>(tokenizer.tokens_per_frame())),
+      order_(decoding_order(plan_, decoder)),
+      frame_(order_.size()) {}
 
 void DanceInMaking::begin(std::int64_t sequence) {
   sequence_ = sequence;
-  engine_.reset(sequence);
-  pending_ = window_input(engine_.description(), prefix_, ids_, 0, 0);
+  decoder_.begin(sequence, prefix_, {});
+  if (decoder_.any_order()) decoder_.set_order(sequence, order_);
 }
 
 std::int32_t DanceInMaking::known() const {
-  const std::size_t at = ids_.size();
-  if (at % per_frame_ + 1 == per_frame_)
-    return Tokenizer::kSeparator;  // nowhere else, and nothing else here
+  const std::size_t at = ids_.size() + static_cast<std::size_t>(order_[place_]);
   return at < plan_.given.size() ? plan_.given[at] : kFree;
 }
 
@@ -38,32 +54,22 @@ void DanceInMaking::advance() {
 }
 
 void DanceInMaking::choose(const std::vector<float>& logits) {
-  const std::int32_t id = sampler_.pick(logits, Tokenizer::kFirstBin, tokenizer_.bins());
-  pending_ = ModelInput();
-  push(id);
+  push(sampler_.pick(logits, Tokenizer::kFirstBin, tokenizer_.bins()));
 }
 
 void DanceInMaking::push(std::int32_t id) {
-  ids_.push_back(id);
-  const auto waiting = static_cast<std::int64_t>(pending_.size());
-  if (engine_.length(sequence_) + waiting >= engine_.capacity()) slide();
-  append_stream(pending_, engine_.description(), ids_, first_, ids_.size() - 1);
-  if (ids_.size() % per_frame_ == 0 && on_frame_) tell_frame();
+  decoder_.push(sequence_, id);
+  frame_[static_cast<std::size_t>(order_[place_])] = id;
+  if (++place_ == order_.size()) end_frame();
 }
 
-// Past the context the older half of the frames is forgotten, whole frames at a time; the
-// conditions stay.
-void DanceInMaking::slide() {
-  const std::vector<std::int32_t> before(ids_.begin(), ids_.end() - 1);
-  const std::size_t frames =
-      (static_cast<std::size_t>(engine_.capacity()) - prefix_.size()) / per_frame_;
-  const std::size_t done = before.size() / per_frame_;
-  first_ = (done - std::min(done, frames / 2)) * per_frame_;
-  const ModelInput window =
-      window_input(engine_.description(), prefix_, before, first_, before.size() - first_);
-  engine_.reset(sequence_);
-  engine_.feed_silently({{sequence_, &window}});
-  pending_ = ModelInput();
+void DanceInMaking::end_frame() {
+  ids_.insert(ids_.end(), frame_.begin(), frame_.end());
+  ids_.push_back(Tokenizer::kSeparator);  // nowhere else, and nothing else here
+  place_ = 0;
+  // Behind the last frame nothing comes.
+  if (!done()) decoder_.push(sequence_, Tokenizer::kSeparator);
+  if (on_frame_) tell_frame();
 }
 
 // The last frame, standing where the one before leaves it.

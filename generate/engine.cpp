@@ -3,166 +3,113 @@
 #include <algorithm>
 #include <cassert>
 
-#include "generate/weights.h"
+#include "generate/tables.h"
 
 namespace mocaplm {
 
-namespace {
-
-void add_row(float* to, const std::vector<float>& table, std::int32_t row, std::int64_t width) {
-  const float* from = table.data() + static_cast<std::int64_t>(row) * width;
-  for (std::int64_t i = 0; i < width; ++i) to[i] += from[i];
-}
-
-}  // namespace
-
-void Engine::embed(const ModelInput& input, std::size_t i, std::int64_t position, float* x) const {
-  const std::int64_t width = description_.config.n_embd;
-  std::fill(x, x + width, 0.f);
-  add_row(x, token_, input.token[i], width);
-  if (!position_.empty()) {
-    add_row(x, position_, static_cast<std::int32_t>(position), width);
+Engine::Embeddings::Embeddings(Weights& weights, const ModelDescription& description)
+    : width(description.config.n_embd) {
+  const ModelConfig& c = description.config;
+  const ModelSizes sizes = model_sizes(description);
+  token = weights.take("token_embedding", {description.shape.vocabulary, width});
+  if (c.position == "custom") {
+    frame = weights.take("frame_embedding", {sizes.frame_positions, width});
+    channel = weights.take("channel_embedding", {sizes.channel_positions, width});
   } else {
-    add_row(x, frame_, input.frame[i], width);
-    add_row(x, channel_, input.channel[i], width);
+    position_table = weights.take("position_embedding", {c.block_size, width});
   }
-  if (surprise_.empty()) return;
-  add_row(x, surprise_, input.surprise[i], width);
-  add_row(x, velocity_, input.velocity[i], width);
-  add_row(x, last_surprise_, input.last_surprise[i], width);
+  if (!c.history) return;
+  surprise = weights.take("history.surprise", {sizes.history_rows, width});
+  velocity = weights.take("history.velocity", {sizes.history_rows, width});
+  last_surprise = weights.take("history.last_surprise", {sizes.history_rows, width});
 }
 
-// The normalised rows, for the calling thread or, computed by all of them, for all.
-const float* Engine::normalise(const std::vector<float>& weight, const std::vector<float>& bias,
-                               const float* x, std::int64_t rows, int thread) {
-  const std::int64_t width = description_.config.n_embd;
-  const auto norm = kernels().layer_norm;
-  if (rows <= kOwnRows) {
-    float* own = scratch_[static_cast<std::size_t>(thread)].normed.data();
-    norm(x, weight.data(), bias.data(), rows, width, own);
-    return own;
+void Engine::Embeddings::put(const ModelInput& input, std::size_t i, std::int64_t position,
+                             float* x) const {
+  std::fill(x, x + width, 0.f);
+  add_row(x, token, input.token[i], width);
+  if (!position_table.empty()) {
+    add_row(x, position_table, static_cast<std::int32_t>(position), width);
+  } else {
+    add_row(x, frame, input.frame[i], width);
+    add_row(x, channel, input.channel[i], width);
   }
-  const std::int64_t first = rows * thread / team_.size(),
-                     last = rows * (thread + 1) / team_.size();
-  norm(x + first * width, weight.data(), bias.data(), last - first, width,
-       normed_.data() + first * width);
-  team_.barrier();
-  return normed_.data();
+  if (surprise.empty()) return;
+  add_row(x, surprise, input.surprise[i], width);
+  add_row(x, velocity, input.velocity[i], width);
+  add_row(x, last_surprise, input.last_surprise[i], width);
 }
 
-// A thread has some of the (sequence, head) pairs: it stores their keys and values of all rows,
-// then attends, so that nobody waits between.
-void Engine::self_attention(Block& block, int thread) {
-  const std::int64_t width = description_.config.n_embd, heads = description_.config.n_head,
-                     head = width / heads;
-  float* scratch = scratch_[static_cast<std::size_t>(thread)].attention.data();
-  std::int64_t pair = 0;
-  for (std::size_t begin = 0, end; begin < rows_.size(); begin = end) {
-    for (end = begin; end < rows_.size() && rows_[end].sequence == rows_[begin].sequence;) ++end;
-    for (std::int64_t h = 0; h < heads; ++h, ++pair) {
-      if (pair % team_.size() != thread) continue;
-      for (std::size_t r = begin; r < end; ++r) {
-        const float* qkv = qkv_.data() + static_cast<std::int64_t>(r) * 3 * width + h * head;
-        block.cache.store(rows_[r].sequence, h, rows_[r].position, qkv + width, qkv + 2 * width);
-      }
-      for (std::size_t r = begin; r < end; ++r)
-        block.cache.attend(rows_[r].sequence, h, rows_[r].position + 1,
-                           qkv_.data() + static_cast<std::int64_t>(r) * 3 * width + h * head,
-                           scratch,
-                           attended_.data() + static_cast<std::int64_t>(r) * width + h * head);
-    }
+Engine::Engine(const StoredModel& model, const std::string& place, const EngineOptions& options)
+    : Engine(model, place, options, language_tensors(model.tensors)) {}
+
+Engine::Engine(const StoredModel& model, const std::string& place, const EngineOptions& options,
+               const TensorMap& tensors)
+    : Engine(model, place, options, Weights(tensors, place + "/model.safetensors")) {}
+
+Engine::Engine(const StoredModel& model, const std::string& place, const EngineOptions& options,
+               Weights&& weights)
+    : description_(model.description),
+      options_(checked(options)),
+      team_(options.threads),
+      embeddings_(weights, description_),
+      blocks_(weights,
+              {"", description_.config.n_layer, description_.config.n_head,
+               description_.config.n_embd, description_.config.block_size},
+              options_, team_, arena_),
+      output_(weights, description_, description_.config.n_embd, options_, team_, arena_),
+      last_(static_cast<std::size_t>(options_.sequences * description_.config.n_embd)),
+      normed_(last_.size()) {
+  weights.finish();
+  check(model, place);
+}
+
+void Engine::check(const StoredModel& model, const std::string& place) {
+  const std::string file = place + "/selftest.json";
+  for (const SelfTestCase& one : model.self_test) {
+    check_input(one.input, description_, file);
+    check_self_test(one, feed(one.input), file, rounding_tolerance(options_.precision));
+    reset();
   }
 }
 
-void Engine::run_block(Block& block, int thread) {
-  const int threads = team_.size();
-  const auto rows = static_cast<std::int64_t>(rows_.size());
-  LinearScratch& scratch = scratch_[static_cast<std::size_t>(thread)].linear;
-  const float* normed = normalise(block.ln1_w, block.ln1_b, x_.data(), rows, thread);
-  block.qkv.apply(normed, qkv_.data(), rows, Store::plain, scratch, thread, threads);
-  team_.barrier();
-  self_attention(block, thread);
-  team_.barrier();
-  block.proj.apply(attended_.data(), x_.data(), rows, Store::sum, scratch, thread, threads);
-  team_.barrier();
-  normed = normalise(block.ln2_w, block.ln2_b, x_.data(), rows, thread);
-  block.up.apply(normed, wide_.data(), rows, Store::gelu, scratch, thread, threads);
-  team_.barrier();
-  block.down.apply(wide_.data(), x_.data(), rows, Store::sum, scratch, thread, threads);
-  team_.barrier();
+void Engine::run() {
+  const std::int64_t width = blocks_.width();
+  blocks_.run();
+  for (const Last& last : lasts_)
+    std::copy_n(blocks_.row(last.row), width,
+                last_.begin() + static_cast<std::ptrdiff_t>(last.feed) * width);
+  lasts_.clear();
 }
 
-void Engine::run_rows() {
-  team_.run([this](int thread) {
-    for (Block& block : blocks_) run_block(block, thread);
-  });
-  const std::int64_t width = description_.config.n_embd;
-  for (std::size_t r = 0; r < rows_.size(); ++r)
-    if (rows_[r].last)
-      std::copy_n(x_.begin() + static_cast<std::ptrdiff_t>(r) * width, width,
-                  last_.begin() + static_cast<std::ptrdiff_t>(rows_[r].feed) * width);
-  rows_.clear();
-}
-
-void Engine::append(const std::vector<Feed>& feeds, bool keep_last) {
+void Engine::append(const std::vector<Feed>& feeds) {
   assert(static_cast<std::int64_t>(feeds.size()) <= sequences());
+  std::int64_t rows = 0;
   for (std::size_t f = 0; f < feeds.size(); ++f) {
     const ModelInput& input = *feeds[f].input;
-    std::int64_t& length = length_[static_cast<std::size_t>(feeds[f].sequence)];
-    assert(length + static_cast<std::int64_t>(input.size()) <= capacity());
     for (std::size_t i = 0; i < input.size(); ++i) {
-      embed(input, i, length,
-            x_.data() + static_cast<std::int64_t>(rows_.size()) * description_.config.n_embd);
-      rows_.push_back({feeds[f].sequence, length++, f, keep_last && i + 1 == input.size()});
-      if (static_cast<std::int64_t>(rows_.size()) == kMaxRows) run_rows();
+      const std::int64_t position = length(feeds[f].sequence);
+      embeddings_.put(input, i, position, blocks_.add(feeds[f].sequence));
+      if (i + 1 == input.size()) lasts_.push_back({f, rows});
+      if (++rows == kMaxRows) run(), rows = 0;
     }
   }
-  if (!rows_.empty()) run_rows();
-}
-
-void Engine::compute_logits(const std::vector<Feed>& feeds) {
-  const ModelConfig& c = description_.config;
-  const auto rows = static_cast<std::int64_t>(feeds.size());
-  const bool shifted = c.output == "extrapolation";
-  team_.run([&](int thread) {
-    LinearScratch& scratch = scratch_[static_cast<std::size_t>(thread)].linear;
-    const float* normed = normalise(ln_w_, ln_b_, last_.data(), rows, thread);
-    head_.apply(normed, head_out_.data(), rows, Store::plain, scratch, thread, team_.size());
-    if (shifted)
-      offset_head_.apply(normed, offsets_.data(), rows, Store::plain, scratch, thread,
-                         team_.size());
-  });
-  const std::int64_t vocabulary = head_.out();
-  logits_.resize(feeds.size());
-  for (std::size_t f = 0; f < feeds.size(); ++f) {
-    const float* row = head_out_.data() + static_cast<std::int64_t>(f) * vocabulary;
-    logits_[f].assign(row, row + vocabulary);
-    const std::int64_t centre = feeds[f].input->centre.back();
-    if (!shifted || centre == kNoCentre) continue;
-    const float* offset = offsets_.data() + static_cast<std::int64_t>(f) * offset_head_.out();
-    for (std::int64_t b = 0; b < description_.shape.bins; ++b)
-      logits_[f][static_cast<std::size_t>(description_.shape.first_bin + b)] +=
-          offset[std::clamp<std::int64_t>(b - centre, -c.reach, c.reach) + c.reach];
-  }
+  if (rows > 0) run();
 }
 
 void Engine::feed_silently(const std::vector<Feed>& feeds) {
-  append(feeds, false);
+  append(feeds);
 }
 
 const std::vector<std::vector<float>>& Engine::feed(const std::vector<Feed>& feeds) {
-  for (const Feed& one : feeds) assert(one.input->size() > 0), (void)one;
-  append(feeds, true);
-  compute_logits(feeds);
-  return logits_;
-}
-
-std::int64_t Engine::bytes_a_step(std::int64_t count) const {
-  std::int64_t bytes = head_.bytes() + offset_head_.bytes();
-  for (const Block& b : blocks_)
-    bytes += b.qkv.bytes() + b.proj.bytes() + b.up.bytes() + b.down.bytes() +
-             sequences() * b.cache.bytes(count);
-  return bytes;
+  std::vector<std::int32_t> centre;
+  for (const Feed& one : feeds) {
+    assert(one.input->size() > 0);
+    centre.push_back(one.input->centre.back());
+  }
+  append(feeds);
+  blocks_.final_norm(last_.data(), static_cast<std::int64_t>(feeds.size()), normed_.data());
+  return output_.logits(normed_.data(), centre);
 }
 
 }  // namespace mocaplm

@@ -1,40 +1,29 @@
-// Decoding without LibTorch: the flat transformer's forward pass for several sequences at once,
+// Decoding the flat transformer without LibTorch: its forward pass for several sequences at once,
 // with packed weights and a key/value cache.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "generate/kernels/cache.h"
-#include "generate/kernels/linear.h"
-#include "generate/team.h"
+#include "generate/blocks.h"
+#include "generate/output_layer.h"
 #include "model/directory.h"
 
 namespace mocaplm {
 
-class Weights;
-
-struct EngineOptions {
-  Precision precision = Precision::f32;
-  int threads = 0;             // 0: one a core
-  std::int64_t sequences = 1;  // that are decoded side by side, 1 to kMaxSequences
-};
-
 class Engine {
  public:
-  static constexpr std::int64_t kMaxSequences = kMaxRows;
+  static constexpr std::int64_t kMaxSequences = mocaplm::kMaxSequences;
 
   // Packs the weights and reruns the stored self-test. Throws DataError when a tensor is missing or
   // of another shape, or the test fails. `place` is the model's directory, for messages.
   Engine(const StoredModel& model, const std::string& place, const EngineOptions& options = {});
 
   // Forgets the cached positions of a sequence.
-  void reset(std::int64_t sequence = 0) { length_[static_cast<std::size_t>(sequence)] = 0; }
-  std::int64_t length(std::int64_t sequence = 0) const {
-    return length_[static_cast<std::size_t>(sequence)];
-  }
+  void reset(std::int64_t sequence = 0) { blocks_.reset(sequence); }
+  std::int64_t length(std::int64_t sequence = 0) const { return blocks_.length(sequence); }
   std::int64_t capacity() const { return description_.config.block_size; }
-  std::int64_t sequences() const { return static_cast<std::int64_t>(length_.size()); }
+  std::int64_t sequences() const { return options_.sequences; }
 
   // Positions that are appended to one sequence's cache, which must have room for them.
   struct Feed {
@@ -53,55 +42,41 @@ class Engine {
 
   const ModelDescription& description() const { return description_; }
   // Bytes that one step with `count` cached positions a sequence reads at the least.
-  std::int64_t bytes_a_step(std::int64_t count) const;
+  std::int64_t bytes_a_step(std::int64_t count) const {
+    return blocks_.bytes_a_step(sequences(), count) + output_.bytes();
+  }
 
  private:
-  // Up to so many rows every thread normalises for itself: cheaper than waiting for the others.
-  static constexpr std::int64_t kOwnRows = 4;
+  struct Embeddings {
+    Embeddings(Weights& weights, const ModelDescription& description);
+    void put(const ModelInput& input, std::size_t index, std::int64_t position, float* x) const;
 
-  struct Block {
-    std::vector<float> ln1_w, ln1_b, ln2_w, ln2_b;
-    PackedLinear qkv, proj, up, down;
-    KeyValueCache cache;
+    std::int64_t width;
+    std::vector<float> token, frame, channel, position_table, surprise, velocity, last_surprise;
   };
-  struct Row {
-    std::int64_t sequence, position;
+  struct Last {  // a feed's last position among the rows that are computed together
     std::size_t feed;
-    bool last;  // of its feed
-  };
-  struct Scratch {  // a thread's own
-    LinearScratch linear;
-    std::vector<float> normed, attention;
+    std::int64_t row;
   };
 
-  void take_embeddings(Weights& weights);
-  void take_blocks(Weights& weights);
-  void make_room();
+  Engine(const StoredModel& model, const std::string& place, const EngineOptions& options,
+         const TensorMap& tensors);
+  Engine(const StoredModel& model, const std::string& place, const EngineOptions& options,
+         Weights&& weights);
+  void append(const std::vector<Feed>& feeds);
+  void run();
   void check(const StoredModel& model, const std::string& place);
-
-  void append(const std::vector<Feed>& feeds, bool keep_last);
-  void embed(const ModelInput& input, std::size_t index, std::int64_t position, float* x) const;
-  void run_rows();
-  void run_block(Block& block, int thread);
-  void self_attention(Block& block, int thread);
-  const float* normalise(const std::vector<float>& weight, const std::vector<float>& bias,
-                         const float* x, std::int64_t rows, int thread);
-  void compute_logits(const std::vector<Feed>& feeds);
 
   ModelDescription description_;
   EngineOptions options_;
   Team team_;
   Arena arena_;
-  std::vector<float> token_, frame_, channel_, position_, surprise_, velocity_, last_surprise_;
-  std::vector<Block> blocks_;
-  std::vector<float> ln_w_, ln_b_;
-  PackedLinear head_, offset_head_;
-  std::vector<std::int64_t> length_;  // of each sequence's cache
-  // Reused: the rows that are computed together, their residual stream, and what blocks need.
-  std::vector<Row> rows_;
-  std::vector<float> x_, normed_, qkv_, attended_, wide_, last_, head_out_, offsets_;
-  std::vector<Scratch> scratch_;
-  std::vector<std::vector<float>> logits_;
+  Embeddings embeddings_;
+  BlockStack blocks_;
+  OutputLayer output_;
+  // Reused.
+  std::vector<Last> lasts_;
+  std::vector<float> last_, normed_;  // (feeds, width)
 };
 
 }  // namespace mocaplm

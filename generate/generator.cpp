@@ -24,7 +24,7 @@ Tokenizer matching_tokenizer(const StoredModel& model, const std::string& place)
 
 Generator::Generator(const StoredModel& model, const std::string& place,
                      const EngineOptions& options)
-    : engine_(model, place, options), tokenizer_(matching_tokenizer(model, place)) {}
+    : decoder_(make_decoder(model, place, options)), tokenizer_(matching_tokenizer(model, place)) {}
 
 GenerateResult Generator::generate(const GenerateRequest& request, const OnFrame& on_frame) {
   return generate(std::vector<GenerateRequest>{request}, on_frame)[0];
@@ -34,7 +34,7 @@ std::vector<GenerateResult> Generator::generate(const std::vector<GenerateReques
                                                 const OnFrame& on_frame) {
   std::vector<DanceInMaking> dances;
   for (const GenerateRequest& request : requests)
-    dances.emplace_back(dances.size(), request, engine_, tokenizer_, on_frame);
+    dances.emplace_back(dances.size(), request, *decoder_, tokenizer_, on_frame);
   decode(dances);
   std::vector<GenerateResult> results;
   for (const DanceInMaking& dance : dances) results.push_back(dance.result());
@@ -45,7 +45,7 @@ std::vector<GenerateResult> Generator::generate(const std::vector<GenerateReques
 void Generator::decode(std::vector<DanceInMaking>& dances) {
   std::vector<DanceInMaking*> active;
   std::vector<std::int64_t> free;
-  for (std::int64_t s = engine_.sequences(); s-- > 0;) free.push_back(s);
+  for (std::int64_t s = decoder_->sequences(); s-- > 0;) free.push_back(s);
   auto next = dances.begin();
   const auto ended = [&](DanceInMaking* dance) {
     dance->advance();
@@ -60,9 +60,9 @@ void Generator::decode(std::vector<DanceInMaking>& dances) {
       if (!ended(&*next)) active.push_back(&*next);
     }
     if (active.empty()) return;
-    std::vector<Engine::Feed> feeds;
-    for (const DanceInMaking* dance : active) feeds.push_back(dance->feed());
-    const auto& logits = engine_.feed(feeds);
+    std::vector<std::int64_t> sequences;
+    for (const DanceInMaking* dance : active) sequences.push_back(dance->sequence());
+    const auto& logits = decoder_->logits(sequences);
     for (std::size_t i = 0; i < active.size(); ++i) active[i]->choose(logits[i]);
   }
 }

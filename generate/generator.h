@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "generate/engine.h"
+#include "generate/decoder.h"
 #include "generate/plan.h"
 
 namespace mocaplm {
@@ -35,7 +35,7 @@ class Generator {
   Generator(const StoredModel& model, const std::string& place, const EngineOptions& options = {});
 
   using OnFrame = std::function<void(const GeneratedFrame&)>;
-  // One result a request, in their order. As many dances are decoded together as the engine has
+  // One result a request, in their order. As many dances are decoded together as the decoder has
   // sequences, and each is what it would be alone. Throws UsageError for joints the model does not
   // have and requests that cannot be, DataError for labels it does not know, each with what it does
   // know, before anything is computed.
@@ -44,12 +44,12 @@ class Generator {
   GenerateResult generate(const GenerateRequest& request, const OnFrame& on_frame = nullptr);
 
   const Tokenizer& tokenizer() const { return tokenizer_; }
-  const ModelDescription& description() const { return engine_.description(); }
+  const ModelDescription& description() const { return decoder_->description(); }
 
  private:
   void decode(std::vector<DanceInMaking>& dances);
 
-  Engine engine_;
+  std::unique_ptr<Decoder> decoder_;
   Tokenizer tokenizer_;
 };
 

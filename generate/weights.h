@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/error.h"
+#include "generate/kernels/linear.h"
 #include "model/safetensors.h"
 
 namespace mocaplm {
@@ -38,5 +39,13 @@ class Weights {
   std::string place_;
   std::size_t taken_ = 0;
 };
+
+// A linear layer: NAME.weight (out, in) and NAME.bias (out).
+inline PackedLinear packed(Weights& weights, const std::string& name, std::int64_t out,
+                           std::int64_t in, Precision precision, Arena& arena) {
+  const float* weight = weights.take(name + ".weight", {out, in}).data();
+  return PackedLinear(weight, weights.take(name + ".bias", {out}).data(), out, in, precision,
+                      arena);
+}
 
 }  // namespace mocaplm

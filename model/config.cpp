@@ -42,10 +42,19 @@ Json to_json(const ModelDescription& d) {
   json["classes"] = Json::array();
   for (const auto& [label, values] : d.classes)
     json["classes"].push_back({{"label", label}, {"values", values}});
+  if (!d.classes.empty()) json["class_frames"] = d.class_frames;
   json["procedural"] = d.procedural;
   json["training"] = d.training;
   return json;
 }
+
+namespace {
+
+std::int64_t classes_of(const ModelDescription& d) {
+  return static_cast<std::int64_t>(d.classes.size());
+}
+
+}  // namespace
 
 ModelDescription model_from_json(const Json& json, const std::string& place) {
   ModelDescription d;
@@ -70,6 +79,8 @@ ModelDescription model_from_json(const Json& json, const std::string& place) {
     d.classes.emplace_back(label, one.texts("values"));
     one.finish();
   }
+  if (!d.classes.empty())
+    d.class_frames = top.integer("class_frames", 1, frames_in_window(d, classes_of(d)));
   d.procedural = top.boolean("procedural");
   d.training = top.raw("training");
   top.finish();

@@ -22,6 +22,7 @@ struct ModelConfig {
   std::int64_t decoder_layer = 2;
   std::int64_t decoder_head = 4;
   std::int64_t decoder_embd = 128;
+  double shown_first = 0.25;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -48,6 +49,9 @@ struct ModelConfig {
     v.integer("decoder_head", decoder_head, 1, 64,
               "frames: attention heads of the channel decoder; divides decoder_embd");
     v.integer("decoder_embd", decoder_embd, 8, 2048, "frames: width of the channel decoder");
+    v.number("shown_first", shown_first, 0, 1,
+             "frames: share of the training in which random joints of a frame come before the "
+             "others, as prompted joints do");
   }
 };
 
@@ -68,6 +72,7 @@ struct ModelDescription {
   std::vector<std::string> conditions;  // labels whose tokens head each window, in this order
   std::vector<std::pair<std::string, std::vector<std::string>>>
       classes;                     // classified labels, values
+  std::int64_t class_frames = 0;   // of a window that is classified
   bool procedural = false;         // trained on procedural dances only
   Json training = Json::object();  // the resolved settings of the run that made it, for the record
 

@@ -181,6 +181,15 @@ void check_input(const ModelInput& input, const ModelDescription& model, const s
   if (input.size() == 0 || static_cast<std::int64_t>(input.size()) > most)
     throw DataError(in_file(place), "a window of " + std::to_string(input.size()) +
                                         " tokens, expected 1 to " + std::to_string(most));
+  const auto prefix = std::find_if(input.frame.begin(), input.frame.end(),
+                                   [](std::int32_t frame) { return frame != 0; }) -
+                      input.frame.begin();
+  const std::int64_t frames =
+      (static_cast<std::int64_t>(input.size()) - prefix) / model.shape.tokens_per_frame();
+  if (prefix == 0 || (model.frame_positions() && prefix + frames > model.config.block_size))
+    throw DataError(in_file(place), "a window with a prefix of " + std::to_string(prefix) +
+                                        " tokens, expected 1 or more that fit the model's " +
+                                        std::to_string(model.config.block_size) + " positions");
   check(input.token, model.shape.vocabulary, "token");
   check(input.frame, sizes.frame_positions, "frame");
   check(input.channel, sizes.channel_positions, "channel");

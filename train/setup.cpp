@@ -66,6 +66,7 @@ void start_from(TrainSetup& setup, const TrainOptions& options) {
   setup.tokenizer = stored_tokenizer(stored, place);
   setup.description = stored.description;
   setup.description.classes.clear();
+  setup.description.class_frames = 0;
   const double dropout = setup.config.model.dropout;
   setup.config.tokenizer = setup.tokenizer.config();
   setup.config.model = stored.description.config;

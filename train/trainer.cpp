@@ -33,6 +33,14 @@ std::uint64_t step_seed(std::int64_t seed, std::int64_t step) {
 // Enough to go through every part of a model; not whole frames, as a rule.
 constexpr std::size_t kSelfTestTokens = 1024;
 
+ModelInput self_test_window(const ModelDescription& model, const Window& window) {
+  const auto prefix = static_cast<std::size_t>(model.prefix()),
+             per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
+  std::size_t tokens = std::min(kSelfTestTokens, prefix + window.frames * per_frame);
+  if ((tokens - prefix) % per_frame + 1 == per_frame) --tokens;  // a bin comes next
+  return slice(window.input, 0, tokens);
+}
+
 struct MicroBatches {
   std::vector<Batch> batches;
   std::int64_t targets = 0;  // tokens that count in the loss, all micro-batches together
@@ -221,8 +229,7 @@ class Run {
     stored.tokenizer = setup_.tokenizer.to_json();
     std::vector<ModelInput> inputs;
     for (std::size_t i = 0; i < std::min<std::size_t>(2, validation_.size()); ++i)
-      inputs.push_back(
-          slice(validation_[i].input, 0, std::min(validation_[i].input.size(), kSelfTestTokens)));
+      inputs.push_back(self_test_window(setup_.description, validation_[i]));
     stored.self_test = make_self_test(*setup_.model, inputs);
     for (const SelfTestCase& one : stored.self_test)
       for (const float logit : one.logits)

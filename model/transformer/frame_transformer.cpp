@@ -1,5 +1,7 @@
 #include "model/transformer/frame_transformer.h"
 
+#include <cmath>
+
 namespace mocaplm {
 
 namespace {
@@ -97,36 +99,56 @@ at::Tensor FrameTransformer::hidden(const Batch& batch, const at::Tensor& extra)
   return at::layer_norm(x, {width}, ln_w_, ln_b_);
 }
 
-at::Tensor FrameTransformer::decode(const at::Tensor& hidden, const Batch& batch) const {
+at::Tensor FrameTransformer::fixed_order(const at::Device& device) const {
+  return (order_.empty() ? at::arange(description_.shape.channels, at::kLong)
+                         : at::tensor(order_, at::kLong))
+      .to(device);
+}
+
+// Joints are groups of three channels, each first with the same drawn probability.
+at::Tensor FrameTransformer::draw_order() const {
+  const std::int64_t channels = description_.shape.channels;
+  if (at::rand({1}).item<double>() >= description_.config.shown_first)
+    return at::arange(channels, at::kLong);
+  const at::Tensor later = (at::rand({(channels + 2) / 3}) > at::rand({1})).to(at::kLong);
+  const at::Tensor rank = at::repeat_interleave(later, 3).slice(0, 0, channels) * channels +
+                          at::arange(channels, at::kLong);
+  return at::argsort(rank);
+}
+
+at::Tensor FrameTransformer::decode(const at::Tensor& hidden, const Batch& batch,
+                                    const at::Tensor& order) const {
   const std::int64_t channels = description_.shape.channels,
                      narrow = description_.config.decoder_embd;
   const std::int64_t frames = frames_decoded(batch);
   // The state before each frame, and the features of the frame before it.
   const at::Tensor state = hidden.slice(1, batch.prefix - 1, batch.prefix - 1 + frames);
   const at::Tensor features = at::constant_pad_nd(whole_frames(batch), {0, 0, 1, 0});
-  at::Tensor x =
-      output_linear(channel_in_,
-                    at::cat({state, features.slice(1, 0, state.size(1))}, 2).flatten(0, 1),
-                    precision_)
-          .view({-1, channels, narrow});
-  const auto rows = [&](const at::Tensor& table, const at::Tensor& column) {
-    return at::embedding(
-        table, grid(column, batch.prefix, 0).slice(2, 0, channels).reshape({-1, channels}));
+  at::Tensor x = output_linear(channel_in_, at::cat({state, features}, 2).flatten(0, 1), precision_)
+                     .view({-1, channels, narrow})
+                     .index_select(1, order);
+  // A column of the grid lies before its channel and behind the one before it in the stream.
+  const at::Tensor behind = at::cat({at::zeros({1}, order.options()), order.slice(0, 0, -1) + 1});
+  const auto rows = [&](const at::Tensor& table, const at::Tensor& column, const at::Tensor& at) {
+    return at::embedding(table, grid(column, batch.prefix, 0).flatten(0, 1).index_select(1, at));
   };
-  x = x + channel_ + before_.slice(0, 0, channels) + rows(chosen_, batch.token);
+  x = x + channel_.index_select(0, order) + before_.index_select(0, behind) +
+      rows(chosen_, batch.token, behind);
   if (surprise_.defined())
-    x = x + rows(surprise_, batch.surprise) + rows(velocity_, batch.velocity) +
-        rows(last_surprise_, batch.last_surprise);
+    x = x + rows(surprise_, batch.surprise, behind) + rows(velocity_, batch.velocity, order) +
+        rows(last_surprise_, batch.last_surprise, order);
   x = run_blocks(decoder_, drop(x), description_.config.decoder_head, 0);
   return at::layer_norm(x, {narrow}, decoder_ln_w_, decoder_ln_b_).flatten(0, 1);
 }
 
 at::Tensor FrameTransformer::logits(const at::Tensor& hidden, const Batch& batch) {
   const StreamShape& shape = description_.shape;
-  const at::Tensor centre = grid(batch.centre, batch.prefix, kNoCentre).slice(2, 0, shape.channels);
+  const at::Tensor order = fixed_order(hidden.device());
+  const at::Tensor centre = grid(batch.centre, batch.prefix, kNoCentre).index_select(2, order);
   const std::int64_t size = centre.size(0), frames = centre.size(1);
-  const at::Tensor bins = output_logits(decode(hidden, batch), centre.reshape({-1}))
-                              .view({size, frames, shape.channels, -1});
+  const at::Tensor bins = output_logits(decode(hidden, batch, order), centre.reshape({-1}))
+                              .view({size, frames, shape.channels, -1})
+                              .index_select(2, at::argsort(order));
   // After the last channel comes the separator, certainly.
   at::Tensor end = at::full({size, frames, 1, bins.size(3)}, kNever, bins.options());
   end.select(3, shape.first_bin - 1).zero_();
@@ -136,13 +158,16 @@ at::Tensor FrameTransformer::logits(const at::Tensor& hidden, const Batch& batch
 }
 
 at::Tensor FrameTransformer::loss(const at::Tensor& hidden, const Batch& batch) {
-  const std::int64_t channels = description_.shape.channels;
-  const at::Tensor centre = grid(batch.centre, batch.prefix, kNoCentre).slice(2, 0, channels),
-                   target = grid(batch.target, batch.prefix, -1).slice(2, 0, channels);
+  const at::Tensor order =
+      is_training() ? draw_order().to(hidden.device()) : fixed_order(hidden.device());
+  const at::Tensor centre = grid(batch.centre, batch.prefix, kNoCentre).index_select(2, order),
+                   target = grid(batch.target, batch.prefix, -1).index_select(2, order);
   const at::Tensor nats =
-      output_loss(decode(hidden, batch), centre.reshape({-1}), target.reshape({-1}));
+      output_loss(decode(hidden, batch, order), centre.reshape({-1}), target.reshape({-1}))
+          .view(centre.sizes())
+          .index_select(2, at::argsort(order));
   const std::int64_t before = batch.prefix - 1;
-  const at::Tensor all = at::constant_pad_nd(nats.view(centre.sizes()), {0, 1}).flatten(1, 2);
+  const at::Tensor all = at::constant_pad_nd(nats, {0, 1}).flatten(1, 2);
   return at::constant_pad_nd(all.slice(1, 0, batch.token.size(1) - before), {before, 0});
 }
 

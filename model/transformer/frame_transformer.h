@@ -24,18 +24,27 @@ class FrameTransformer : public LanguageModel {
   // A batch is a prefix and frames, the last of which may be unfinished.
   at::Tensor hidden(const Batch& batch, const at::Tensor& extra = {}) override;
   at::Tensor logits(const at::Tensor& hidden, const Batch& batch) override;
+  // In training, a share `shown_first` of the calls puts random joints (groups of three channels)
+  // of each frame before the others, so that generation may put prompted ones there.
   at::Tensor loss(const at::Tensor& hidden, const Batch& batch) override;
+
+  // The order in which frames are decoded from now on, outside training: every channel once.
+  void set_order(const std::vector<std::int64_t>& channels) { order_ = channels; }
 
  private:
   // Columns of the batch from the position that predicts the first frame's first channel on, as
   // (B, frames, C + 1); filled up with `rest` behind the batch's end.
   at::Tensor grid(const at::Tensor& column, std::int64_t prefix, std::int64_t rest) const;
   at::Tensor whole_frames(const Batch& batch) const;  // features of them
-  // Final normalised states of the channel decoder, (B * frames * C, width).
-  at::Tensor decode(const at::Tensor& hidden, const Batch& batch) const;
+  // Final normalised states of the channel decoder, (B * frames * C, width), the channels of a
+  // frame in this order.
+  at::Tensor decode(const at::Tensor& hidden, const Batch& batch, const at::Tensor& order) const;
+  at::Tensor draw_order() const;
+  at::Tensor fixed_order(const at::Device& device) const;
   std::int64_t frames_decoded(const Batch& batch) const;
 
   at::Tensor token_, position_;
+  std::vector<std::int64_t> order_;
   LinearWeights frame_in_, channel_in_;
   std::vector<BlockWeights> blocks_, decoder_;
   at::Tensor ln_w_, ln_b_;

@@ -62,9 +62,9 @@ class TrainedModel : public testing::Test {
   }
 
   static double bits_per_frame(Precision precision, const std::vector<ScoredClip>& clips) {
-    Engine engine(*stored_, "run", {precision, 0, 8});
+    const auto decoder = make_decoder(*stored_, "run", {precision, 0, 8});
     BitCount all;
-    for (const BitCount& one : score_clips(engine, clips)) all.add(one);
+    for (const BitCount& one : score_clips(*decoder, clips)) all.add(one);
     return all.per_frame(0, static_cast<int>(stored_->description.shape.channels));
   }
 

@@ -76,7 +76,9 @@ class Reference {
   const std::map<std::string, at::Tensor>& weights() const { return w_; }
 
   // Logits (V) of the next token of a window with these positions (prefix of one token).
-  at::Tensor next(const ModelInput& in, std::size_t positions) const {
+  // The last frame's channels come in `order`.
+  at::Tensor next(const ModelInput& in, std::size_t positions,
+                  const std::vector<std::size_t>& order = {0, 1, 2}) const {
     const auto per_frame = static_cast<std::size_t>(d_.shape.tokens_per_frame());
     const std::size_t frame = (positions - 1) / per_frame, channel = (positions - 1) % per_frame;
     std::vector<at::Tensor> x = {row("token_embedding", in.token[0]) +
@@ -92,17 +94,22 @@ class Reference {
     const at::Tensor own = linear("channel_in", at::cat({state, before}))
                                .view({d_.shape.channels, d_.config.decoder_embd});
     std::vector<at::Tensor> y;
-    for (std::size_t c = 0; c <= channel; ++c) {
+    std::size_t chosen = frame * per_frame;  // the position of what was chosen last
+    std::size_t behind = 0;
+    for (const std::size_t c : order) {
       const std::size_t p = frame * per_frame + c;  // the position before this channel
       const auto i = static_cast<std::int64_t>(c);
       at::Tensor one = own[i] + row("decoder.channel_embedding", i) +
-                       row("decoder.before_embedding", i) +
-                       row("decoder.chosen_embedding", in.token[p]);
+                       row("decoder.before_embedding", static_cast<std::int64_t>(behind)) +
+                       row("decoder.chosen_embedding", in.token[chosen]);
       if (d_.config.history)
-        one = one + row("decoder.surprise", in.surprise[p]) +
+        one = one + row("decoder.surprise", in.surprise[chosen]) +
               row("decoder.velocity", in.velocity[p]) +
               row("decoder.last_surprise", in.last_surprise[p]);
       y.push_back(one);
+      if (c == channel) break;
+      chosen = p + 1;
+      behind = c + 1;
     }
     const at::Tensor last = norm("decoder.ln", blocks("decoder.block.", d_.config.decoder_layer,
                                                       d_.config.decoder_head, at::stack(y)))[-1];
@@ -199,6 +206,53 @@ TEST(FrameTransformer, AgreesWithItsDefinitionAtEveryPosition) {
           << variant_name(d) << ", position " << p;
     }
   }
+}
+
+TEST(FrameTransformer, AgreesWithItsDefinitionInAnotherOrder) {
+  const ModelDescription d = small_frames_description();
+  const auto model = std::dynamic_pointer_cast<FrameTransformer>(random_model(d, 1));
+  const Reference reference(d, random_weights(d, 1));
+  model->set_order({2, 0, 1});
+  const ModelInput input = window(d, random_ids(d, 2));
+  const at::Tensor logits = logits_of(*model, stack({input}))[0];
+  for (std::size_t p = 1; p < input.size() - 4; ++p) {
+    if ((p - 1) % 4 == 3) continue;
+    EXPECT_LT(largest_difference(logits[static_cast<std::int64_t>(p) - 1],
+                                 reference.next(input, p, {2, 0, 1})),
+              1e-4)
+        << p;
+  }
+}
+
+TEST(FrameTransformer, OrdersDrawnInTrainingGiveTheLossOfThatOrder) {
+  ModelDescription d = small_frames_description();
+  d.shape.channels = 6;  // two joints
+  d.config.shown_first = 1;
+  const auto model = std::dynamic_pointer_cast<FrameTransformer>(random_model(d, 3));
+  Random random(4);
+  const Ids ids = random_stream(d.shape, 6, random);
+  const ModelInput input = window_input(d, {2}, ids, 0, ids.size());
+  Ids target = ids;
+  target.push_back(-1);
+  const Batch batch = stack({input}, {target});
+  const at::NoGradGuard no_grad;
+  const auto total = [&] { return model->loss(model->hidden(batch), batch).sum().item<double>(); };
+  const double kept = total();
+  model->set_order({3, 4, 5, 0, 1, 2});
+  const double turned = total();
+  ASSERT_GT(std::abs(kept - turned), 1e-2);
+  model->train();
+  int first = 0, second = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    at::manual_seed(seed);
+    const double drawn = total();
+    first += std::abs(drawn - kept) < 1e-3;
+    second += std::abs(drawn - turned) < 1e-3;
+  }
+  // The second joint alone is first with probability (integral of p (1 - p)) = 1/6.
+  EXPECT_EQ(first + second, 100);
+  EXPECT_GT(second, 6);
+  EXPECT_LT(second, 30);
 }
 
 TEST(FrameTransformer, TheSeparatorIsCertainAndCostsNothing) {

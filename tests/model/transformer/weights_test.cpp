@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "model/transformer/transformer.h"
 #include "support/refusal.h"
 #include "support/small_models.h"
 
