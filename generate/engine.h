@@ -56,6 +56,11 @@ class Engine {
   std::int64_t bytes_a_step(std::int64_t count) const;
 
  private:
+  // Bytes that a thread asks for before it needs them: enough to bridge what it computes between
+  // two readings, and little beside its cache.
+  static constexpr std::int64_t kLead = 192 << 10;
+  // Steps that read less than this much stay in the caches by themselves.
+  static constexpr std::int64_t kCached = 1 << 20;
   // Up to so many rows every thread normalises for itself: cheaper than waiting for the others.
   static constexpr std::int64_t kOwnRows = 4;
 
@@ -69,9 +74,11 @@ class Engine {
     std::size_t feed;
     bool last;  // of its feed
   };
-  struct Scratch {  // a thread's own
+  struct alignas(64) Scratch {  // a thread's own
     LinearScratch linear;
     std::vector<float> normed, attention;
+    std::vector<Piece> pieces;  // that a step reads
+    Ahead ahead;
   };
 
   void take_embeddings(Weights& weights);
@@ -82,7 +89,12 @@ class Engine {
   void append(const std::vector<Feed>& feeds, bool keep_last);
   void embed(const ModelInput& input, std::size_t index, std::int64_t position, float* x) const;
   void run_rows();
+  void look_ahead(int thread);
   void run_block(Block& block, int thread);
+  bool own_heads() const;
+  Columns own_columns(std::int64_t section, int thread) const;
+  template <class Visit>
+  void each_own_head(int thread, const Visit& visit) const;
   void self_attention(Block& block, int thread);
   const float* normalise(const std::vector<float>& weight, const std::vector<float>& bias,
                          const float* x, std::int64_t rows, int thread);

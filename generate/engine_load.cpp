@@ -92,8 +92,11 @@ void Engine::make_room() {
   wide_ = room(kMaxRows, 4 * width);
   head_out_ = room(options_.sequences, head_.out());
   offsets_ = room(options_.sequences, offset_head_.out());
-  const Scratch one = {LinearScratch(4 * width), room(kOwnRows, width),
-                       room(1, blocks_.front().cache.scratch_size())};
+  const Scratch one = {LinearScratch(4 * width),
+                       room(kOwnRows, width),
+                       room(1, blocks_.front().cache.scratch_size()),
+                       {},
+                       {}};
   scratch_.assign(static_cast<std::size_t>(team_.size()), one);
 }
 
