@@ -51,8 +51,11 @@ void BlockStack::make_room(const EngineOptions& options, Arena& arena) {
   x_ = normed_ = attended_ = room(kMaxRows, width);
   qkv_ = room(kMaxRows, 3 * width);
   wide_ = room(kMaxRows, 4 * width);
-  const Scratch one = {LinearScratch(4 * width), room(kOwnRows, width),
-                       room(1, blocks_.front().cache.scratch_size())};
+  const Scratch one = {LinearScratch(4 * width),
+                       room(kOwnRows, width),
+                       room(1, blocks_.front().cache.scratch_size()),
+                       {},
+                       {}};
   scratch_.assign(static_cast<std::size_t>(team_.size()), one);
 }
 
@@ -83,35 +86,62 @@ const float* BlockStack::normalise(const std::vector<float>& weight, const std::
   return normed_.data();
 }
 
-// A thread has some of the (sequence, head) pairs: it stores their keys and values of all rows,
-// then attends, so that nobody waits between.
-void BlockStack::self_attention(Block& block, int thread) {
-  const std::int64_t width = shape_.width, head = width / shape_.heads;
-  float* scratch = scratch_[static_cast<std::size_t>(thread)].attention.data();
+// True when every thread has the same number of heads, whose keys, queries and values fill whole
+// panels: then it computes them itself and attends without waiting for the others.
+bool BlockStack::own_heads() const {
+  return shape_.heads % team_.size() == 0 && shape_.width / team_.size() % kPanel == 0;
+}
+
+// A thread's part of the queries (0), keys (1) or values (2).
+Columns BlockStack::own_columns(std::int64_t section, int thread) const {
+  const std::int64_t width = shape_.width, start = section * width;
+  return {start + width * thread / team_.size(), start + width * (thread + 1) / team_.size()};
+}
+
+// visit(begin, end, h) for the heads h of the sequences, with rows [begin, end), that are the
+// thread's.
+template <class Visit>
+void BlockStack::each_own_head(int thread, const Visit& visit) const {
+  const std::int64_t share = shape_.heads / team_.size();
+  const bool own = own_heads();
   std::int64_t pair = 0;
   for (std::size_t begin = 0, end; begin < rows_.size(); begin = end) {
     for (end = begin; end < rows_.size() && rows_[end].sequence == rows_[begin].sequence;) ++end;
-    for (std::int64_t h = 0; h < shape_.heads; ++h, ++pair) {
-      if (pair % team_.size() != thread) continue;
-      for (std::size_t r = begin; r < end; ++r) {
-        const float* qkv = qkv_.data() + static_cast<std::int64_t>(r) * 3 * width + h * head;
-        block.cache.store(rows_[r].sequence, h, rows_[r].position, qkv + width, qkv + 2 * width);
-      }
-      for (std::size_t r = begin; r < end; ++r)
-        block.cache.attend(rows_[r].sequence, h, rows_[r].position + 1,
-                           qkv_.data() + static_cast<std::int64_t>(r) * 3 * width + h * head,
-                           scratch,
-                           attended_.data() + static_cast<std::int64_t>(r) * width + h * head);
-    }
+    for (std::int64_t h = 0; h < shape_.heads; ++h, ++pair)
+      if ((own ? h / share : pair % team_.size()) == thread) visit(begin, end, h);
   }
+}
+
+// A thread stores the keys and values of all rows of its heads, then attends, so that nobody waits
+// between.
+void BlockStack::self_attention(Block& block, int thread) {
+  const std::int64_t width = shape_.width, head = width / shape_.heads;
+  Scratch& scratch = scratch_[static_cast<std::size_t>(thread)];
+  each_own_head(thread, [&](std::size_t begin, std::size_t end, std::int64_t h) {
+    const auto at = [&](std::size_t r) {
+      return qkv_.data() + static_cast<std::int64_t>(r) * 3 * width + h * head;
+    };
+    for (std::size_t r = begin; r < end; ++r)
+      block.cache.store(rows_[r].sequence, h, rows_[r].position, at(r) + width, at(r) + 2 * width);
+    for (std::size_t r = begin; r < end; ++r)
+      block.cache.attend(
+          rows_[r].sequence, h, rows_[r].position + 1, at(r), scratch.attention.data(),
+          attended_.data() + static_cast<std::int64_t>(r) * width + h * head, scratch.linear.ahead);
+  });
 }
 
 void BlockStack::run_block(Block& block, int thread) {
   const int threads = team_.size();
   LinearScratch& scratch = scratch_[static_cast<std::size_t>(thread)].linear;
   const float* normed = normalise(block.ln1_w, block.ln1_b, thread);
-  block.qkv.apply(normed, qkv_.data(), rows(), Store::plain, scratch, thread, threads);
-  team_.barrier();
+  if (own_heads()) {
+    block.qkv.apply_columns(
+        normed, qkv_.data(), rows(), Store::plain, scratch,
+        {own_columns(0, thread), own_columns(1, thread), own_columns(2, thread)});
+  } else {
+    block.qkv.apply(normed, qkv_.data(), rows(), Store::plain, scratch, thread, threads);
+    team_.barrier();
+  }
   self_attention(block, thread);
   team_.barrier();
   block.proj.apply(attended_.data(), x_.data(), rows(), Store::sum, scratch, thread, threads);
@@ -123,9 +153,43 @@ void BlockStack::run_block(Block& block, int thread) {
   team_.barrier();
 }
 
+// Lists what the thread will read in this step, the layer behind it included. Not for prompts,
+// whose rows read the same again and again.
+void BlockStack::look_ahead(int thread) {
+  Scratch& scratch = scratch_[static_cast<std::size_t>(thread)];
+  scratch.linear.ahead = nullptr;
+  bool prompt = false;
+  each_own_head(thread, [&](std::size_t begin, std::size_t end, std::int64_t) {
+    prompt = prompt || end - begin > 1;
+  });
+  if (prompt) return;
+  scratch.pieces.clear();
+  const int threads = team_.size();
+  for (const Block& block : blocks_) {
+    if (own_heads())
+      block.qkv.list({own_columns(0, thread), own_columns(1, thread), own_columns(2, thread)},
+                     scratch.pieces);
+    else
+      block.qkv.list(thread, threads, scratch.pieces);
+    each_own_head(thread, [&](std::size_t row, std::size_t, std::int64_t h) {
+      block.cache.list(rows_[row].sequence, h, rows_[row].position + 1, scratch.pieces);
+    });
+    for (const PackedLinear* linear : {&block.proj, &block.up, &block.down})
+      linear->list(thread, threads, scratch.pieces);
+  }
+  if (next_ != nullptr) next_->list(thread, threads, scratch.pieces);
+  std::int64_t bytes = 0;
+  for (const Piece& piece : scratch.pieces) bytes += piece.end - piece.begin;
+  if (bytes < kCached) return;
+  scratch.ahead =
+      ahead_of(scratch.pieces.data(), scratch.pieces.data() + scratch.pieces.size(), kLead);
+  scratch.linear.ahead = &scratch.ahead;
+}
+
 void BlockStack::run() {
   assert(!ran_);
   team_.run([this](int thread) {
+    look_ahead(thread);
     for (Block& block : blocks_) run_block(block, thread);
   });
   ran_ = true;

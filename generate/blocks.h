@@ -45,10 +45,18 @@ class BlockStack {
   // The norm after the last block, of rows (count, width).
   void final_norm(const float* x, std::int64_t count, float* y) const;
 
+  // A layer that is applied to the rows after each run, shared among the threads: fetched in time.
+  void followed_by(const PackedLinear* linear) { next_ = linear; }
+
   // Bytes that one step with `count` cached positions in each of `sequences` reads at the least.
   std::int64_t bytes_a_step(std::int64_t sequences, std::int64_t count) const;
 
  private:
+  // Bytes that a thread asks for before it needs them: enough to bridge what it computes between
+  // two readings, and little beside its cache.
+  static constexpr std::int64_t kLead = 192 << 10;
+  // Steps that read less than this much stay in the caches by themselves.
+  static constexpr std::int64_t kCached = 1 << 20;
   // Up to so many rows every thread normalises for itself: cheaper than waiting for the others.
   static constexpr std::int64_t kOwnRows = 4;
 
@@ -60,14 +68,21 @@ class BlockStack {
   struct Row {
     std::int64_t sequence, position;
   };
-  struct Scratch {  // a thread's own
+  struct alignas(64) Scratch {  // a thread's own
     LinearScratch linear;
     std::vector<float> normed, attention;
+    std::vector<Piece> pieces;  // that a step reads
+    Ahead ahead;
   };
 
   void take(Weights& weights, const EngineOptions& options, Arena& arena);
   void make_room(const EngineOptions& options, Arena& arena);
+  void look_ahead(int thread);
   void run_block(Block& block, int thread);
+  bool own_heads() const;
+  Columns own_columns(std::int64_t section, int thread) const;
+  template <class Visit>
+  void each_own_head(int thread, const Visit& visit) const;
   void self_attention(Block& block, int thread);
   const float* normalise(const std::vector<float>& weight, const std::vector<float>& bias,
                          int thread);
@@ -76,6 +91,7 @@ class BlockStack {
   Team& team_;
   std::vector<Block> blocks_;
   std::vector<float> ln_w_, ln_b_;
+  const PackedLinear* next_ = nullptr;
   std::vector<std::int64_t> length_;  // of each sequence's cache
   // Reused: the rows that are computed together, their residual stream, and what blocks need.
   std::vector<Row> rows_;

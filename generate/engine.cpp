@@ -61,6 +61,7 @@ Engine::Engine(const StoredModel& model, const std::string& place, const EngineO
       last_(static_cast<std::size_t>(options_.sequences * description_.config.n_embd)),
       normed_(last_.size()) {
   weights.finish();
+  blocks_.followed_by(&output_.head());
   check(model, place);
 }
 

@@ -67,6 +67,7 @@ FrameDecoder::FrameDecoder(const StoredModel& model, const std::string& place,
       output_(weights, description_, description_.config.decoder_embd, options_, team_, arena_),
       streams_(static_cast<std::size_t>(options_.sequences)) {
   weights.finish();
+  time_.followed_by(&channel_in_);
   const std::int64_t wide = description_.config.n_embd, features = feature_count(description_),
                      narrow = description_.config.decoder_embd;
   scratch_.assign(static_cast<std::size_t>(team_.size()), LinearScratch(wide + features));

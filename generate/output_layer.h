@@ -22,6 +22,7 @@ class OutputLayer {
   const std::vector<std::vector<float>>& logits(const float* x,
                                                 const std::vector<std::int32_t>& centre);
 
+  const PackedLinear& head() const { return head_; }
   std::int64_t bytes() const { return head_.bytes() + offset_head_.bytes(); }
 
  private:

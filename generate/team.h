@@ -1,5 +1,6 @@
-// The threads that decode together. A token takes some fifty steps of a few microseconds, each
-// waiting for all threads: so they wait spinning, and fall asleep only when no work comes.
+// The threads that decode together. A token takes some forty steps of a few microseconds, each
+// waiting for all threads: so they wait spinning, after a while with their core offered to
+// others, and fall asleep only when no work comes.
 #pragma once
 
 #include <atomic>

@@ -33,7 +33,7 @@ inline void tile_avx2(const std::int8_t* x, std::int64_t depth, const std::uint3
 }
 
 void product_int8_avx2(const void* prepared, std::int64_t rows, std::int64_t depth,
-                       const std::uint32_t* panel, const std::int32_t*, float* tile) {
+                       const std::uint32_t* panel, const std::int32_t*, float* tile, Ahead&) {
   const auto* x = static_cast<const std::int8_t*>(prepared);
   std::int64_t r = 0;
   for (; r + 2 <= rows; r += 2)
@@ -46,6 +46,7 @@ void product_int8_avx2(const void* prepared, std::int64_t rows, std::int64_t dep
 
 const Kernels kAvx2Kernels = {product_f32,       prepare_bf16, product_bf16, prepare_int8,
                               product_int8_avx2, attend_f32,   attend_bf16,  nullptr,
-                              layer_norm,        store,        store_gelu,   store_sum};
+                              nullptr,           layer_norm,   store,        store_gelu,
+                              store_sum};
 
 }  // namespace mocaplm

@@ -3,8 +3,8 @@
 
 namespace mocaplm {
 
-const Kernels kAvx512Kernels = {product_f32,  prepare_bf16, product_bf16, prepare_vnni,
-                                product_vnni, attend_f32,   attend_bf16,  attend_vnni,
-                                layer_norm,   store,        store_gelu,   store_sum};
+const Kernels kAvx512Kernels = {product_f32, prepare_bf16, product_bf16, prepare_vnni, product_vnni,
+                                attend_f32,  attend_bf16,  attend_vnni,  put_vnni,     layer_norm,
+                                store,       store_gelu,   store_sum};
 
 }  // namespace mocaplm

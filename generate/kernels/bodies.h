@@ -11,6 +11,8 @@
 namespace mocaplm {
 namespace {
 
+constexpr std::int64_t kLine = 64;  // bytes of a cache line
+
 // Rounded up to whole blocks of lanes.
 inline std::int64_t whole_lanes(std::int64_t count) {
   return (count + kLanes - 1) / kLanes * kLanes;
@@ -58,6 +60,18 @@ inline float gelu(float x) {
   return x * (x < 0 ? tail : 1 - tail);
 }
 
+// Asks for the next `lines` cache lines.
+inline void ask(Ahead& ahead, int lines) {
+  if (ahead.at >= ahead.end) {
+    if (ahead.piece == nullptr) return;
+    if (++ahead.piece == ahead.last) ahead.piece = ahead.first;
+    ahead.at = ahead.piece->begin;
+    ahead.end = ahead.piece->end;
+  }
+  for (int i = 0; i < lines; ++i) __builtin_prefetch(ahead.at + i * kLine, 0, 2);
+  ahead.at += lines * kLine;
+}
+
 template <int Rows, int Columns>
 inline void product_f32_tile(const float* x, std::int64_t depth, const float* panel, float* tile) {
   float sums[Rows][Columns] = {};
@@ -100,7 +114,7 @@ inline void product_bf16_tile(const float* x, std::int64_t depth, const std::uin
 }
 
 void product_bf16(const void* prepared, std::int64_t rows, std::int64_t depth,
-                  const std::uint32_t* panel, float* tile) {
+                  const std::uint32_t* panel, float* tile, Ahead&) {
   const auto* x = static_cast<const float*>(prepared);
   std::int64_t r = 0;
   for (; r + 4 <= rows; r += 4)
@@ -163,7 +177,7 @@ void prepare_int8(const float* x, std::int64_t rows, std::int64_t in, std::int64
 }
 
 void product_int8(const void* prepared, std::int64_t rows, std::int64_t depth,
-                  const std::uint32_t* panel, const std::int32_t*, float* tile) {
+                  const std::uint32_t* panel, const std::int32_t*, float* tile, Ahead&) {
   const auto* x = static_cast<const std::int8_t*>(prepared);
   const auto* weights = reinterpret_cast<const std::int8_t*>(panel);
   for (std::int64_t r = 0; r < rows; ++r) {
@@ -215,7 +229,7 @@ void attend_f32(const float* query, const std::uint32_t* key_words,
 }
 
 void attend_bf16(const float* query, const std::uint32_t* keys, const std::uint32_t* values,
-                 std::int64_t count, std::int64_t width, float* scores, float* out) {
+                 std::int64_t count, std::int64_t width, float* scores, float* out, Ahead&) {
   for (std::int64_t first = 0; first < count; first += kLanes) {
     float sums[kLanes] = {};
     for (std::int64_t d = 0; d < width; d += 2, keys += kLanes) {

@@ -55,7 +55,7 @@ float* KeyValueCache::key_scales(std::int64_t sequence, std::int64_t head) const
 ByteHead KeyValueCache::byte_head(std::int64_t sequence, std::int64_t head) const {
   float* scales = key_scales(sequence, head);
   return {keys(sequence, head), values(sequence, head), scales, scales + padded_capacity_,
-          reinterpret_cast<const std::int32_t*>(scales + 2 * padded_capacity_)};
+          reinterpret_cast<std::int32_t*>(scales + 2 * padded_capacity_)};
 }
 
 std::int64_t KeyValueCache::bytes(std::int64_t count) const {
@@ -64,7 +64,8 @@ std::int64_t KeyValueCache::bytes(std::int64_t count) const {
 
 void KeyValueCache::store(std::int64_t sequence, std::int64_t head, std::int64_t position,
                           const float* key, const float* value) {
-  if (packed_ == 4) return store_bytes(sequence, head, position, key, value);
+  if (packed_ == 4)
+    return kernels().put_int8(key, value, width_, position, byte_head(sequence, head));
   std::uint32_t *k = keys(sequence, head), *v = values(sequence, head);
   k += position / kLanes * depth_ * kLanes + position % kLanes;
   v += position / packed_ * padded_width_;
@@ -79,45 +80,36 @@ void KeyValueCache::store(std::int64_t sequence, std::int64_t head, std::int64_t
   }
 }
 
-void KeyValueCache::store_bytes(std::int64_t sequence, std::int64_t head, std::int64_t position,
-                                const float* key, const float* value) {
-  const auto scale_of = [&](const float* x) {
-    float top = 0;
-    for (std::int64_t i = 0; i < width_; ++i) top = std::max(top, std::abs(x[i]));
-    return top / 127;
+void KeyValueCache::list(std::int64_t sequence, std::int64_t head, std::int64_t count,
+                         std::vector<Piece>& pieces) const {
+  const auto add = [&](const void* from, std::int64_t words) {
+    const auto* begin = static_cast<const char*>(from);
+    pieces.push_back({begin, begin + 4 * words});
   };
-  float* scales = key_scales(sequence, head);
-  const float key_scale = scale_of(key), value_scale = scale_of(value);
-  scales[position] = key_scale;
-  scales[padded_capacity_ + position] = value_scale;
-  const float to_key = key_scale > 0 ? 1 / key_scale : 0,
-              to_value = value_scale > 0 ? 1 / value_scale : 0;
-  auto* k = reinterpret_cast<std::int8_t*>(keys(sequence, head) +
-                                           position / kLanes * depth_ * kLanes + position % kLanes);
-  auto* v = reinterpret_cast<std::int8_t*>(values(sequence, head) + position / 4 * padded_width_) +
-            position % 4;
-  std::int32_t sum = 0;
-  for (std::int64_t i = 0; i < width_; ++i) {
-    const auto byte = static_cast<std::int8_t>(std::nearbyint(key[i] * to_key));
-    k[i / 4 * kLanes * 4 + i % 4] = byte;
-    sum += byte;
-    v[4 * i] = static_cast<std::int8_t>(std::nearbyint(value[i] * to_value));
-  }
-  sum *= 128;
-  std::memcpy(scales + 2 * padded_capacity_ + position, &sum, sizeof sum);
+  const std::int64_t all = padded(count);
+  const ByteHead bytes = byte_head(sequence, head);
+  if (packed_ == 4) add(bytes.key_offset, all), add(bytes.key_scale, all);
+  add(bytes.keys, all * depth_);
+  if (packed_ == 4) add(bytes.value_scale, all);
+  add(bytes.values, all * padded_width_ / packed_);
 }
 
 void KeyValueCache::attend(std::int64_t sequence, std::int64_t head, std::int64_t count,
-                           const float* query, float* scratch, float* out) const {
+                           const float* query, float* scratch, float* out, Ahead* ahead) const {
   // The query comes behind what the kernels take.
   float *scaled = scratch + scratch_size() - padded_width_,
         scale = 1 / std::sqrt(static_cast<float>(width_));
   for (std::int64_t i = 0; i < width_; ++i) scaled[i] = query[i] * scale;
   const Kernels& k = kernels();
+  const std::uint32_t *key_words = keys(sequence, head), *value_words = values(sequence, head);
+  Ahead nothing;
+  Ahead& next = ahead != nullptr ? *ahead : nothing;
   if (packed_ == 4)
-    return k.attend_int8(scaled, byte_head(sequence, head), count, width_, scratch, out);
-  (packed_ == 2 ? k.attend_bf16 : k.attend_f32)(
-      scaled, keys(sequence, head), values(sequence, head), count, width_, scratch, out);
+    k.attend_int8(scaled, byte_head(sequence, head), count, width_, scratch, out, next);
+  else if (packed_ == 2)
+    k.attend_bf16(scaled, key_words, value_words, count, width_, scratch, out, next);
+  else
+    k.attend_f32(scaled, key_words, value_words, count, width_, scratch, out);
 }
 
 }  // namespace mocaplm

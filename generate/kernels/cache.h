@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "generate/kernels/kernels.h"
 #include "generate/kernels/memory.h"
@@ -29,7 +30,10 @@ class KeyValueCache {
   // out (width) = softmax(query . keys / sqrt(width)) values over the first `count` positions.
   // `scratch`: scratch_size() floats.
   void attend(std::int64_t sequence, std::int64_t head, std::int64_t count, const float* query,
-              float* scratch, float* out) const;
+              float* scratch, float* out, Ahead* ahead = nullptr) const;
+  // Adds what attending reads.
+  void list(std::int64_t sequence, std::int64_t head, std::int64_t count,
+            std::vector<Piece>& pieces) const;
   std::int64_t scratch_size() const { return 2 * padded_capacity_ + 3 * padded_width_; }
 
   std::int64_t bytes(std::int64_t count) const;  // that attending to `count` positions reads
@@ -39,8 +43,6 @@ class KeyValueCache {
   std::uint32_t* values(std::int64_t sequence, std::int64_t head) const;
   float* key_scales(std::int64_t sequence, std::int64_t head) const;
   ByteHead byte_head(std::int64_t sequence, std::int64_t head) const;
-  void store_bytes(std::int64_t sequence, std::int64_t head, std::int64_t position,
-                   const float* key, const float* value);
 
   std::int64_t packed_ = 1;  // values a word
   std::int64_t heads_ = 0, width_ = 0, padded_width_ = 0, padded_capacity_ = 0;

@@ -19,12 +19,6 @@ std::size_t size(std::int64_t count) {
 
 }  // namespace
 
-std::uint16_t to_bf16(float value) {
-  std::uint32_t bits;
-  std::memcpy(&bits, &value, sizeof bits);
-  return static_cast<std::uint16_t>((bits + 0x7fffU + (bits >> 16 & 1U)) >> 16);
-}
-
 LinearScratch::LinearScratch(std::int64_t widest)
     : prepared(size(kMaxRows * (widest + 4))),
       scale(size(kMaxRows), 1.f),
@@ -84,31 +78,60 @@ const void* PackedLinear::prepare(const Kernels& k, const float* x, std::int64_t
   return scratch.prepared.data();
 }
 
+Columns PackedLinear::share(std::int64_t part, std::int64_t parts) const {
+  return {panels_ * part / parts * kPanel, panels_ * (part + 1) / parts * kPanel};
+}
+
+void PackedLinear::list(std::initializer_list<Columns> columns, std::vector<Piece>& pieces) const {
+  const auto* begin = reinterpret_cast<const char*>(words_);
+  for (const Columns& c : columns)
+    if (c.first < c.last)
+      pieces.push_back({begin + 4 * depth_ * c.first, begin + 4 * depth_ * c.last});
+}
+
+void PackedLinear::list(std::int64_t part, std::int64_t parts, std::vector<Piece>& pieces) const {
+  list({share(part, parts)}, pieces);
+}
+
 void PackedLinear::apply(const float* x, float* y, std::int64_t rows, Store store,
                          LinearScratch& scratch, std::int64_t part, std::int64_t parts) const {
+  apply_columns(x, y, rows, store, scratch, {share(part, parts)});
+}
+
+void PackedLinear::apply_columns(const float* x, float* y, std::int64_t rows, Store store,
+                                 LinearScratch& scratch,
+                                 std::initializer_list<Columns> columns) const {
   assert(rows <= kMaxRows);
-  const std::int64_t first = panels_ * part / parts, last = panels_ * (part + 1) / parts;
-  if (first == last || rows == 0) return;
+  const void* prepared = nullptr;
+  for (const Columns& c : columns)
+    for (std::int64_t column = c.first; column < c.last && rows > 0; column += kPanel) {
+      if (prepared == nullptr) prepared = prepare(kernels(), x, rows, scratch);
+      apply_panel(prepared, column / kPanel, y, rows, store, scratch);
+    }
+}
+
+void PackedLinear::apply_panel(const void* prepared, std::int64_t p, float* y, std::int64_t rows,
+                               Store store, LinearScratch& scratch) const {
   const Kernels& k = kernels();
   const auto finish = store == Store::plain  ? k.store
                       : store == Store::gelu ? k.store_gelu
                                              : k.store_sum;
-  const void* prepared = prepare(k, x, rows, scratch);
+  Ahead nothing;
+  Ahead& ahead = scratch.ahead != nullptr ? *scratch.ahead : nothing;
   float* tile = scratch.tile.data();
-  for (std::int64_t p = first; p < last; ++p) {
-    const std::uint32_t* panel = words_ + p * depth_ * kPanel;
-    const std::int64_t column = p * kPanel, count = std::min(kPanel, out_ - column);
-    if (precision_ == Precision::f32)
-      k.product_f32(x, rows, depth_, reinterpret_cast<const float*>(panel), tile);
-    else if (precision_ == Precision::bf16)
-      k.product_bf16(prepared, rows, depth_, panel, tile);
-    else
-      k.product_int8(prepared, rows, depth_, panel, sums_.data() + column, tile);
-    const float* scale = precision_ == Precision::int8 ? scale_.data() + column : nullptr;
-    for (std::int64_t r = 0; r < rows; ++r)
-      finish(tile + r * kPanel, scale, scratch.scale[size(r)], bias_.data() + column, count,
-             y + r * out_ + column);
-  }
+  const std::uint32_t* panel = words_ + p * depth_ * kPanel;
+  const std::int64_t column = p * kPanel, count = std::min(kPanel, out_ - column);
+  if (precision_ == Precision::f32)
+    k.product_f32(static_cast<const float*>(prepared), rows, depth_,
+                  reinterpret_cast<const float*>(panel), tile);
+  else if (precision_ == Precision::bf16)
+    k.product_bf16(prepared, rows, depth_, panel, tile, ahead);
+  else
+    k.product_int8(prepared, rows, depth_, panel, sums_.data() + column, tile, ahead);
+  const float* scale = precision_ == Precision::int8 ? scale_.data() + column : nullptr;
+  for (std::int64_t r = 0; r < rows; ++r)
+    finish(tile + r * kPanel, scale, scratch.scale[size(r)], bias_.data() + column, count,
+           y + r * out_ + column);
 }
 
 }  // namespace mocaplm

@@ -165,6 +165,30 @@ TEST_P(EveryEngine, SequencesDoNotSeeEachOther) {
   }
 }
 
+// Wide enough that every thread of two or three has heads of its own, and what is read is asked for
+// ahead; three threads share heads and panels unevenly.
+TEST_P(EveryEngine, HeadsOfItsOwnGiveTheSameBits) {
+  ModelDescription d = wider(small_description());
+  d.config.n_embd = 256;
+  d.config.n_head = 4;
+  d.config.block_size = 70;
+  const StoredModel stored = stored_model(d, 10);
+  const std::vector<ModelInput> inputs = {some_window(d, 11), some_window(d, 12)};
+  for (const Precision precision : {Precision::f32, Precision::bf16, Precision::int8}) {
+    Engine alone(stored, "m", {precision, 1, 2});
+    for (const int threads : {2, 3, 4}) {
+      Engine shared(stored, "m", {precision, threads, 2});
+      alone.reset(0), alone.reset(1);
+      for (std::size_t t = 0; t < 40; ++t) {
+        const ModelInput first = slice(inputs[0], t, t + 1), second = slice(inputs[1], t, t + 1);
+        const std::vector<Engine::Feed> feeds = {{0, &first}, {1, &second}};
+        const auto expected = alone.feed(feeds);
+        ASSERT_EQ(shared.feed(feeds), expected) << to_string(precision) << " " << threads;
+      }
+    }
+  }
+}
+
 TEST(Engine, RefusesImpossibleNumbersOfSequences) {
   const StoredModel stored = stored_model(small_description(), 1);
   EXPECT_THROW(Engine(stored, "m", {Precision::f32, 1, 0}), UsageError);
