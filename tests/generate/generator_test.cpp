@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "generate/engine.h"
 #include "motion/skeleton.h"
 #include "support/refusal.h"
 #include "support/small_models.h"
