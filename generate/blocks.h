@@ -56,7 +56,7 @@ class BlockStack {
   // two readings, and little beside its cache.
   static constexpr std::int64_t kLead = 192 << 10;
   // Steps that read less than this much stay in the caches by themselves.
-  static constexpr std::int64_t kCached = 1 << 20;
+  static constexpr std::int64_t kCached = 2 << 20;
   // Up to so many rows every thread normalises for itself: cheaper than waiting for the others.
   static constexpr std::int64_t kOwnRows = 4;
 

@@ -169,8 +169,8 @@ TEST_P(EveryEngine, SequencesDoNotSeeEachOther) {
 // ahead; three threads share heads and panels unevenly.
 TEST_P(EveryEngine, HeadsOfItsOwnGiveTheSameBits) {
   ModelDescription d = wider(small_description());
-  d.config.n_embd = 256;
-  d.config.n_head = 4;
+  d.config.n_embd = 512;
+  d.config.n_head = 8;
   d.config.block_size = 70;
   const StoredModel stored = stored_model(d, 10);
   const std::vector<ModelInput> inputs = {some_window(d, 11), some_window(d, 12)};
@@ -179,7 +179,7 @@ TEST_P(EveryEngine, HeadsOfItsOwnGiveTheSameBits) {
     for (const int threads : {2, 3, 4}) {
       Engine shared(stored, "m", {precision, threads, 2});
       alone.reset(0), alone.reset(1);
-      for (std::size_t t = 0; t < 40; ++t) {
+      for (std::size_t t = 0; t < 16; ++t) {
         const ModelInput first = slice(inputs[0], t, t + 1), second = slice(inputs[1], t, t + 1);
         const std::vector<Engine::Feed> feeds = {{0, &first}, {1, &second}};
         const auto expected = alone.feed(feeds);
