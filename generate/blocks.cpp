@@ -158,6 +158,7 @@ void BlockStack::run_block(Block& block, int thread) {
 void BlockStack::look_ahead(int thread) {
   Scratch& scratch = scratch_[static_cast<std::size_t>(thread)];
   scratch.linear.ahead = nullptr;
+  if (rows() < kFewestAhead) return;
   bool prompt = false;
   each_own_head(thread, [&](std::size_t begin, std::size_t end, std::int64_t) {
     prompt = prompt || end - begin > 1;
