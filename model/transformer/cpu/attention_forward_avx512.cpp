@@ -90,7 +90,8 @@ void attention_forward(const AttentionShape& shape, const bf16* qkv, bf16* out, 
         rest[r] = 1 / sum.sum;
         log_sum[pair * n.length + t + r] = sum.top * n.scale + std::log(sum.sum);
       }
-      product({weights, row, 2}, count, {values, n.padded / 2, n.wide, columns / 2}, sums, n.wide,
+      product({weights, row, 2}, count,
+              {values, n.padded / 2, n.wide, (n.limit(t + count - 1) + 1) / 2}, sums, n.wide,
               false);
       for (std::int64_t r = 0; r < count; ++r)
         store_row(sums + r * n.wide, _mm512_set1_ps(rest[r]), n.width, to + (t + r) * n.out_stride);

@@ -76,7 +76,7 @@ inline __m512 power_of_two(__m512 x) {
   return _mm512_scalef_ps(p, n);
 }
 
-// The same to 1.1e-4, a twentieth of what rounding the result to bf16 costs.
+// The same to 8e-5, a twentieth of what rounding the result to bf16 may cost.
 inline __m512 rough_power_of_two(__m512 x) {
   const __m512 n = _mm512_roundscale_ps(x, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
   const __m512 r = _mm512_sub_ps(x, n);
@@ -98,14 +98,27 @@ struct Packed {
   std::int64_t used2;    // the first so many pairs take part
 };
 
-// One piece of memory, handed out in parts that begin on cache lines.
+// Memory that a thread keeps from call to call: fresh pages cost more than many a kernel's work.
+inline char* kept_memory(std::int64_t bytes) {
+  struct Kept {
+    ~Kept() { std::free(data); }
+    char* data = nullptr;
+    std::int64_t size = 0;
+  };
+  thread_local Kept kept;
+  if (kept.size < bytes) {
+    std::free(kept.data);
+    kept.data = static_cast<char*>(std::aligned_alloc(64, static_cast<std::size_t>(bytes)));
+    if (kept.data == nullptr) std::abort();
+    kept.size = bytes;
+  }
+  return kept.data;
+}
+
+// One piece of memory, handed out in parts that begin on cache lines; one at a time in a thread.
 class Scratch {
  public:
-  explicit Scratch(std::int64_t bytes)
-      : data_(static_cast<char*>(std::aligned_alloc(64, static_cast<std::size_t>(bytes)))) {
-    if (data_ == nullptr) std::abort();
-  }
-  ~Scratch() { std::free(data_); }
+  explicit Scratch(std::int64_t bytes) : data_(kept_memory(bytes)) {}
   Scratch(const Scratch&) = delete;
   Scratch& operator=(const Scratch&) = delete;
 
