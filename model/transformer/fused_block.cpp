@@ -111,17 +111,17 @@ struct Pass : torch::CustomClassHolder {
     RECORD_USER_SCOPE("attention, forward");
     attended = half_matrix(rows, width);
     log_sum = float_matrix(shape.batch * shape.heads, shape.length);
-    at::parallel_for(0, shape.batch * shape.heads, 1, [&](std::int64_t a, std::int64_t b) {
-      cpu::attention_forward(shape, halves(qkv), halves(attended), floats(log_sum), a, b);
+    in_turn(shape.batch * shape.heads, [&](std::int64_t pair) {
+      cpu::attention_forward(shape, halves(qkv), halves(attended), floats(log_sum), pair, pair + 1);
     });
   }
 
   at::Tensor attend_backward(const at::Tensor& dattended) const {
     RECORD_USER_SCOPE("attention, backward");
     const at::Tensor dqkv = half_matrix(rows, 3 * width);
-    at::parallel_for(0, shape.batch * shape.heads, 1, [&](std::int64_t a, std::int64_t b) {
+    in_turn(shape.batch * shape.heads, [&](std::int64_t pair) {
       cpu::attention_backward(shape, halves(qkv), halves(attended), floats(log_sum),
-                              halves(dattended), halves(dqkv), a, b);
+                              halves(dattended), halves(dqkv), pair, pair + 1);
     });
     return dqkv;
   }

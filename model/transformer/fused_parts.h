@@ -5,6 +5,7 @@
 #include <ATen/record_function.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "model/transformer/cpu/block.h"
 #include "model/transformer/packed_weights.h"
@@ -25,13 +26,23 @@ inline at::Tensor float_matrix(std::int64_t rows, std::int64_t columns) {
   return at::empty({rows, columns}, at::kFloat);
 }
 
+// Calls step(part) for every part. A thread takes the next one when it is done, so that one that is
+// held up (a machine is seldom all ours) does not hold up the rest.
+template <class Step>
+void in_turn(std::int64_t parts, const Step& step) {
+  std::atomic<std::int64_t> next{0};
+  const std::int64_t threads = std::min<std::int64_t>(at::get_num_threads(), parts);
+  at::parallel_for(0, threads, 1, [&](std::int64_t, std::int64_t) {
+    for (std::int64_t part = next++; part < parts; part = next++) step(part);
+  });
+}
+
 // Calls step(first, last, part) for blocks of rows: the same blocks for any number of threads.
 template <class Step>
 void over_rows(std::int64_t rows, const Step& step) {
   const std::int64_t parts = (rows + cpu::kBlockRows - 1) / cpu::kBlockRows;
-  at::parallel_for(0, parts, 1, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t part = begin; part < end; ++part)
-      step(part * cpu::kBlockRows, std::min((part + 1) * cpu::kBlockRows, rows), part);
+  in_turn(parts, [&](std::int64_t part) {
+    step(part * cpu::kBlockRows, std::min((part + 1) * cpu::kBlockRows, rows), part);
   });
 }
 

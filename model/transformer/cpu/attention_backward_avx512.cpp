@@ -101,22 +101,26 @@ struct Head {
   struct Lane {
     __m512 weight, dscore;
   };
+  // What it reads, from query t on: by value, since what is stored might alter the members.
+  struct Slices {
+    const float *scores, *dweights, *log_sum, *delta;
+    const std::uint32_t* seeds;  // null without dropout
+  };
   template <bool All>
-  Lane lane(std::int64_t s, std::int64_t t, std::int64_t at) const {
+  Lane lane(const Slices& in, __m512 step, std::int64_t s, std::int64_t t, std::int64_t c,
+            std::int64_t at) const {
     const __m512 x =
-        _mm512_fmsub_ps(_mm512_loadu_ps(room.scores + at), _mm512_set1_ps(n.scale * kLog2E),
-                        _mm512_loadu_ps(room.log_sum + t));
-    __m512 p = power_of_two(x);
-    if (!All) p = _mm512_maskz_mov_ps(seen(s, counting(t)), p);
-    __m512 dp = _mm512_loadu_ps(room.dweights + at), used = p;
-    if (dropout.on) {
-      const __m512 factor = dropout.factor(_mm512_loadu_si512(room.seeds + t),
-                                           _mm512_set1_epi32(static_cast<int>(s)));
+        _mm512_fmsub_ps(_mm512_loadu_ps(in.scores + at), step, _mm512_loadu_ps(in.log_sum + c));
+    __m512 p = rough_power_of_two(x);
+    if (!All) p = _mm512_maskz_mov_ps(seen(s, counting(t + c)), p);
+    __m512 dp = _mm512_loadu_ps(in.dweights + at), used = p;
+    if (in.seeds != nullptr) {
+      const __m512 factor =
+          dropout.factor(_mm512_loadu_si512(in.seeds + c), _mm512_set1_epi32(static_cast<int>(s)));
       dp = _mm512_mul_ps(dp, factor);
       used = _mm512_mul_ps(p, factor);
     }
-    const __m512 rest = _mm512_sub_ps(dp, _mm512_loadu_ps(room.delta + t));
-    return {used, _mm512_mul_ps(p, rest)};
+    return {used, _mm512_mul_ps(p, _mm512_sub_ps(dp, _mm512_loadu_ps(in.delta + c)))};
   }
   __mmask16 seen(std::int64_t s, __m512i query) const {
     return (_mm512_cmpge_epi32_mask(query, _mm512_set1_epi32(static_cast<int>(s))) |
@@ -128,15 +132,21 @@ struct Head {
   template <bool All>
   void differentiate(std::int64_t s, std::int64_t keys, std::int64_t t) const {
     const Lane nothing{_mm512_setzero_ps(), _mm512_setzero_ps()};
-    for (std::int64_t row = 0; row < kPanel; row += 2)
-      for (std::int64_t c = 0; c < kPanel; c += kLanes) {
+    const Slices in{room.scores, room.dweights, room.log_sum + t, room.delta + t,
+                    dropout.on ? room.seeds + t : nullptr};
+    const __m512 step = _mm512_set1_ps(n.scale * kLog2E);
+    bf16 *weights = room.weights, *dscores = room.dscores, *down = room.dscores_down;
+    for (std::int64_t row = 0; row < kPanel; row += 2, weights += kPanel, dscores += kPanel)
+      for (std::int64_t c = 0; c < kPanel; c += kLanes, weights += kLanes, dscores += kLanes) {
         const std::int64_t at = row * kPanel + c;
-        const Lane one = row < keys ? lane<All>(s + row, t + c, at) : nothing;
-        const Lane two = row + 1 < keys ? lane<All>(s + row + 1, t + c, at + kPanel) : nothing;
-        const __m512i dscores = to_bf16(one.dscore, two.dscore);
-        store(room.weights + at, to_bf16(one.weight, two.weight));
-        store(room.dscores + at, dscores);
-        _mm512_storeu_si512(room.dscores_down + (row / 2 * kPanel + c) * 2, interleaved(dscores));
+        const Lane one = row < keys ? lane<All>(in, step, s + row, t, c, at) : nothing;
+        const Lane two =
+            row + 1 < keys ? lane<All>(in, step, s + row + 1, t, c, at + kPanel) : nothing;
+        const __m512i slopes = to_bf16(one.dscore, two.dscore);
+        store(weights, to_bf16(one.weight, two.weight));
+        store(dscores, slopes);
+        _mm512_storeu_si512(down, interleaved(slopes));
+        down += 2 * kLanes;
       }
   }
   // The halves of x into a row and the next.

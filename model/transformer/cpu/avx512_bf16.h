@@ -24,6 +24,12 @@ inline __mmask16 first_lanes(std::int64_t n) {
   return static_cast<__mmask16>(n >= kLanes ? 0xFFFF : n <= 0 ? 0 : (1 << n) - 1);
 }
 
+// Fetches `bytes` from p on ahead of their use; p may lie past the end of anything.
+inline void fetch(const void* p, std::int64_t bytes) {
+  for (std::int64_t at = 0; at < bytes; at += 64)
+    _mm_prefetch(static_cast<const char*>(p) + at, _MM_HINT_T0);
+}
+
 inline __m512bh pairs(const std::uint16_t* p) {
   return (__m512bh)_mm512_loadu_si512(p);
 }
@@ -70,6 +76,17 @@ inline __m512 power_of_two(__m512 x) {
   return _mm512_scalef_ps(p, n);
 }
 
+// The same to 8e-5, a twentieth of what rounding the result to bf16 may cost.
+inline __m512 rough_power_of_two(__m512 x) {
+  const __m512 n = _mm512_roundscale_ps(x, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+  const __m512 r = _mm512_sub_ps(x, n);
+  __m512 p = _mm512_set1_ps(0.0551716691f);
+  p = _mm512_fmadd_ps(p, r, _mm512_set1_ps(0.242611122f));
+  p = _mm512_fmadd_ps(p, r, _mm512_set1_ps(0.693260985f));
+  p = _mm512_fmadd_ps(p, r, _mm512_set1_ps(0.999928074f));
+  return _mm512_scalef_ps(p, n);
+}
+
 constexpr float kLog2E = 1.44269504f;
 
 // The right factor of a product, as the processor's dot products of pairs want it: panels of up to
@@ -81,14 +98,27 @@ struct Packed {
   std::int64_t used2;    // the first so many pairs take part
 };
 
-// One piece of memory, handed out in parts that begin on cache lines.
+// Memory that a thread keeps from call to call: fresh pages cost more than many a kernel's work.
+inline char* kept_memory(std::int64_t bytes) {
+  struct Kept {
+    ~Kept() { std::free(data); }
+    char* data = nullptr;
+    std::int64_t size = 0;
+  };
+  thread_local Kept kept;
+  if (kept.size < bytes) {
+    std::free(kept.data);
+    kept.data = static_cast<char*>(std::aligned_alloc(64, static_cast<std::size_t>(bytes)));
+    if (kept.data == nullptr) std::abort();
+    kept.size = bytes;
+  }
+  return kept.data;
+}
+
+// One piece of memory, handed out in parts that begin on cache lines; one at a time in a thread.
 class Scratch {
  public:
-  explicit Scratch(std::int64_t bytes)
-      : data_(static_cast<char*>(std::aligned_alloc(64, static_cast<std::size_t>(bytes)))) {
-    if (data_ == nullptr) std::abort();
-  }
-  ~Scratch() { std::free(data_); }
+  explicit Scratch(std::int64_t bytes) : data_(kept_memory(bytes)) {}
   Scratch(const Scratch&) = delete;
   Scratch& operator=(const Scratch&) = delete;
 
@@ -127,7 +157,7 @@ template <int Rows, int Vectors>
 inline void tile(const Left& a, const std::uint16_t* b, std::int64_t depth2, float* c,
                  std::int64_t ldc, bool add) {
   __m512 sum[Rows][Vectors];
-#pragma GCC unroll 6
+#pragma GCC unroll 12
   for (int r = 0; r < Rows; ++r)
 #pragma GCC unroll 4
     for (int v = 0; v < Vectors; ++v) {
@@ -140,7 +170,7 @@ inline void tile(const Left& a, const std::uint16_t* b, std::int64_t depth2, flo
     __m512bh right[Vectors];
 #pragma GCC unroll 4
     for (int v = 0; v < Vectors; ++v) right[v] = pairs(b + (k * Vectors + v) * 2 * kLanes);
-#pragma GCC unroll 6
+#pragma GCC unroll 12
     for (int r = 0; r < Rows; ++r) {
       const __m512bh one = same_pair(left + r * a.row);
 #pragma GCC unroll 4
@@ -148,25 +178,34 @@ inline void tile(const Left& a, const std::uint16_t* b, std::int64_t depth2, flo
     }
   }
   if (add) {
-#pragma GCC unroll 6
+#pragma GCC unroll 12
     for (int r = 0; r < Rows; ++r)
 #pragma GCC unroll 4
       for (int v = 0; v < Vectors; ++v)
         sum[r][v] = _mm512_add_ps(sum[r][v], _mm512_loadu_ps(c + r * ldc + v * kLanes));
   }
-#pragma GCC unroll 6
+#pragma GCC unroll 12
   for (int r = 0; r < Rows; ++r)
 #pragma GCC unroll 4
     for (int v = 0; v < Vectors; ++v) _mm512_storeu_ps(c + r * ldc + v * kLanes, sum[r][v]);
 }
 
+// Rows of a tile that leave registers for the right factor and one value of the left.
+constexpr int tile_rows(int vectors) {
+  return vectors == 4 ? 6 : vectors == 3 ? 8 : 12;
+}
+
 template <int Vectors>
 inline void panel_product(Left a, std::int64_t rows, const std::uint16_t* b, std::int64_t depth2,
                           float* c, std::int64_t ldc, bool add) {
-  std::int64_t r = 0;
-  for (; r + 6 <= rows; r += 6, a.data += 6 * a.row, c += 6 * ldc)
+  constexpr int kRows = tile_rows(Vectors);
+  for (; rows >= kRows; rows -= kRows, a.data += kRows * a.row, c += kRows * ldc)
+    tile<kRows, Vectors>(a, b, depth2, c, ldc, add);
+  if (rows >= 6) {
     tile<6, Vectors>(a, b, depth2, c, ldc, add);
-  switch (rows - r) {
+    rows -= 6, a.data += 6 * a.row, c += 6 * ldc;
+  }
+  switch (rows) {
     case 5:
       return tile<5, Vectors>(a, b, depth2, c, ldc, add);
     case 4:
@@ -284,6 +323,7 @@ inline void pack_transposed(const std::uint16_t* x, std::int64_t stride, std::in
     const std::int64_t wide = columns - first < kPanel ? columns - first : kPanel;
     const auto column = [&](std::int64_t c, std::int64_t k) {
       const __mmask16 lanes = first + c < rows ? first_lanes(depth2 - k) : 0;
+      fetch(x + (first + c + 2 * kLanes) * stride + 2 * k, 1);
       return _mm512_maskz_loadu_epi32(lanes, x + (first + c) * stride + 2 * k);
     };
     pack_columns(wide, depth2, column, packed + first * 2 * depth2);

@@ -33,24 +33,55 @@ struct Gradient {
     bf16* right = scratch.halves(kTokens * kGradientColumns);
     const std::int64_t width =
         columns - column < kGradientColumns ? columns - column : kGradientColumns;
+    const std::int64_t strips = (width + kPanel - 1) / kPanel;
     for (std::int64_t t = 0; t < tokens; t += kTokens) {
       const std::int64_t some = tokens - t < kTokens ? tokens - t : kTokens;
       const std::int64_t pair_count = (some + 1) / 2;
-      for (std::int64_t c = 0; c < width; c += kPanel) {
-        const std::int64_t wide = width - c < kPanel ? width - c : kPanel;
-        interleave(x + t * columns + column + c, columns, some, wide, wide, right + c * kTokens);
-      }
       for (std::int64_t panel = first; panel < last; ++panel) {
         const std::int64_t row = panel * kPanel;
         const std::int64_t there = rows - row < kPanel ? rows - row : kPanel;
         interleave(dy + t * stride + row, stride, some, there, kPanel, left);
         if (column == 0) add_bias(left, pair_count, row, there, t > 0);
-        for (std::int64_t c = 0; c < width; c += kPanel) {
-          const std::int64_t wide = width - c < kPanel ? width - c : kPanel;
-          panel_product({left, 2, 2 * kPanel}, there, wide, right + c * kTokens, pair_count,
-                        dw + row * columns + column + c, columns, t > 0);
+        const Strip next = panel + 1 < last ? Strip{dy + t * stride + row + kPanel, stride, some}
+                                            : Strip{dy + (t + some) * stride + first * kPanel,
+                                                    stride, tokens - t - some};
+        for (std::int64_t strip = 0; strip < strips; ++strip) {
+          const std::int64_t c = strip * kPanel, wide = width - c < kPanel ? width - c : kPanel;
+          const bf16* from = x + t * columns + column + c;
+          if (panel == first) interleave(from, columns, some, wide, wide, right + c * kTokens);
+          // What is to be interleaved next: strips of x while those are still coming, else a share
+          // of the next panel of dy.
+          const bool coming = panel == first && strip + 1 < strips;
+          multiply({left, 2, 2 * kPanel}, there, wide, right + c * kTokens, pair_count,
+                   dw + row * columns + column + c, t > 0,
+                   coming ? Strip{from + kPanel, columns, some} : next.share(strip, strips));
         }
       }
+    }
+  }
+
+  // Rows of 64 values.
+  struct Strip {
+    const bf16* data;
+    std::int64_t stride, rows;
+
+    Strip share(std::int64_t part, std::int64_t parts) const {
+      const std::int64_t all = rows < kTokens ? rows : kTokens, begin = all * part / parts;
+      return {data + begin * stride, stride, all * (part + 1) / parts - begin};
+    }
+  };
+
+  // A panel of the product; between its tiles `ahead` is fetched.
+  void multiply(const Left& a, std::int64_t there, std::int64_t wide, const bf16* b,
+                std::int64_t pair_count, float* c, bool add, const Strip& ahead) const {
+    constexpr std::int64_t kTile = 6;
+    const std::int64_t tiles = (there + kTile - 1) / kTile;
+    for (std::int64_t tile = 0; tile < tiles; ++tile) {
+      const Strip now = ahead.share(tile, tiles);
+      for (std::int64_t i = 0; i < now.rows; ++i) fetch(now.data + i * now.stride, 2 * kPanel);
+      const std::int64_t r = tile * kTile, some = there - r < kTile ? there - r : kTile;
+      panel_product({a.data + r * a.row, a.row, a.pair}, some, wide, b, pair_count, c + r * columns,
+                    columns, add);
     }
   }
 
