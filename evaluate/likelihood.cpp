@@ -9,13 +9,13 @@ namespace mocaplm {
 namespace {
 
 // A window of whole frames [first, last) of one clip, of which [scored, last) count.
-struct Piece {
+struct ScoredWindow {
   std::size_t clip, first, scored, last;
 };
 
-std::vector<Piece> cut(const std::vector<ScoredClip>& clips, const ModelDescription& model) {
+std::vector<ScoredWindow> cut(const std::vector<ScoredClip>& clips, const ModelDescription& model) {
   const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
-  std::vector<Piece> pieces;
+  std::vector<ScoredWindow> pieces;
   for (std::size_t c = 0; c < clips.size(); ++c) {
     const auto room = static_cast<std::size_t>(frames_in_window(model));
     const std::size_t frames = clips[c].ids.size() / per_frame;
@@ -27,14 +27,14 @@ std::vector<Piece> cut(const std::vector<ScoredClip>& clips, const ModelDescript
     }
   }
   // Windows of like length share a batch, so that little is padding.
-  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+  std::stable_sort(pieces.begin(), pieces.end(), [](const ScoredWindow& a, const ScoredWindow& b) {
     return a.last - a.first > b.last - b.first;
   });
   return pieces;
 }
 
-ModelInput padded_input(const ModelDescription& model, const ScoredClip& clip, const Piece& piece,
-                        std::size_t length) {
+ModelInput padded_input(const ModelDescription& model, const ScoredClip& clip,
+                        const ScoredWindow& piece, std::size_t length) {
   const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
   const std::size_t first = piece.first * per_frame;
   // The last token predicts nothing that is scored.
@@ -45,7 +45,7 @@ ModelInput padded_input(const ModelDescription& model, const ScoredClip& clip, c
 }
 
 std::vector<std::int32_t> padded_target(const ModelDescription& model, const ScoredClip& clip,
-                                        const Piece& piece, std::size_t length) {
+                                        const ScoredWindow& piece, std::size_t length) {
   const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
   std::vector<std::int32_t> target(length, -1);
   for (std::size_t i = piece.scored * per_frame; i < piece.last * per_frame; ++i)
@@ -55,14 +55,14 @@ std::vector<std::int32_t> padded_target(const ModelDescription& model, const Sco
 
 // Nats of every token of several windows, from the first frame of each on; `length` is that of the
 // longest with its prefix. What comes before a window's scored frames is not looked at.
-using WindowNats = std::function<std::vector<std::vector<float>>(const std::vector<Piece>& pieces,
-                                                                 std::size_t length)>;
+using WindowNats = std::function<std::vector<std::vector<float>>(
+    const std::vector<ScoredWindow>& pieces, std::size_t length)>;
 
 std::vector<BitCount> score_windows(const ModelDescription& d, const std::vector<ScoredClip>& clips,
                                     std::int64_t windows_at_once, const WindowNats& window_nats,
                                     const WindowsDone& progress) {
   const auto per_frame = static_cast<std::size_t>(d.shape.tokens_per_frame());
-  const std::vector<Piece> pieces = cut(clips, d);
+  const std::vector<ScoredWindow> pieces = cut(clips, d);
   std::vector<BitCount> counts(clips.size());
   for (std::size_t c = 0; c < clips.size(); ++c) {
     counts[c].frames = static_cast<std::int64_t>(clips[c].ids.size() / per_frame);
@@ -71,10 +71,10 @@ std::vector<BitCount> score_windows(const ModelDescription& d, const std::vector
   const auto at_once = static_cast<std::size_t>(windows_at_once);
   for (std::size_t i = 0; i < pieces.size(); i += at_once) {
     const std::size_t end = std::min(i + at_once, pieces.size());
-    const std::vector<Piece> some(pieces.begin() + static_cast<std::ptrdiff_t>(i),
-                                  pieces.begin() + static_cast<std::ptrdiff_t>(end));
+    const std::vector<ScoredWindow> some(pieces.begin() + static_cast<std::ptrdiff_t>(i),
+                                         pieces.begin() + static_cast<std::ptrdiff_t>(end));
     std::size_t length = 0;
-    for (const Piece& piece : some)
+    for (const ScoredWindow& piece : some)
       length = std::max(
           length, clips[piece.clip].prefix.size() + (piece.last - piece.first) * per_frame - 1);
     const std::vector<std::vector<float>> nats = window_nats(some, length);
@@ -101,10 +101,10 @@ std::vector<BitCount> score_clips(LanguageModel& model, const std::vector<Scored
   const at::NoGradGuard no_grad;
   model.eval();
   const at::Device device = model.parameters().front().device();
-  const auto window_nats = [&](const std::vector<Piece>& pieces, std::size_t length) {
+  const auto window_nats = [&](const std::vector<ScoredWindow>& pieces, std::size_t length) {
     std::vector<ModelInput> inputs;
     std::vector<std::vector<std::int32_t>> targets;
-    for (const Piece& piece : pieces) {
+    for (const ScoredWindow& piece : pieces) {
       inputs.push_back(padded_input(model.description(), clips[piece.clip], piece, length));
       targets.push_back(padded_target(model.description(), clips[piece.clip], piece, length));
     }
@@ -124,11 +124,11 @@ std::vector<BitCount> score_clips(Decoder& decoder, const std::vector<ScoredClip
                                   const WindowsDone& progress) {
   const ModelDescription& d = decoder.description();
   const auto per_frame = static_cast<std::size_t>(d.shape.tokens_per_frame());
-  const auto window_nats = [&](const std::vector<Piece>& pieces, std::size_t) {
+  const auto window_nats = [&](const std::vector<ScoredWindow>& pieces, std::size_t) {
     std::vector<std::vector<float>> rows(pieces.size());
     std::size_t longest = 0;
     for (std::size_t w = 0; w < pieces.size(); ++w) {
-      const Piece& piece = pieces[w];
+      const ScoredWindow& piece = pieces[w];
       const ScoredClip& clip = clips[piece.clip];
       const auto begin = clip.ids.begin();
       decoder.begin(static_cast<std::int64_t>(w), clip.prefix,
