@@ -30,9 +30,11 @@ void ask(AskedModel& model, std::size_t requests,
          const std::function<void(std::size_t, GenerateResult&&)>& answer) {
   Progress bar("generate", requests, "dances");
   std::size_t done = 0;
+  double share = 0;
   const auto told = [&](const GeneratedFrame& frame) {
     if (frame.index + 1 == frame.frames) ++done;
-    bar.update(done);
+    share += 1 / static_cast<double>(frame.frames);
+    bar.update(done, "", share / static_cast<double>(requests));
   };
   for (std::size_t first = 0; first < requests; first += kInMemory) {
     std::vector<GenerateRequest> some;

@@ -29,7 +29,7 @@ const std::vector<Published>& published() {
          {.20, .68, 1.45, 2.48},
          {.08, .27, .57, .97},
          {.93, .90, .90, .88}}}},
-      {"AMASS: the thesis's LM",
+      {"AMASS: thesis's LM, rate unknown",
        {{{1.01, 3.28, 5.97, 8.78},
          {.097, .295, .520, .761},
          {.200, .562, .943, 1.32},

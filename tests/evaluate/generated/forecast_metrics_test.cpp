@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "motion/skeleton.h"
-#include "tests/tokenizer/random_clips.h"
+#include "tokenizer/random_clips.h"
 
 namespace mocaplm {
 namespace {

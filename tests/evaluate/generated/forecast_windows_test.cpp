@@ -5,8 +5,8 @@
 #include "evaluate/generated/chosen_clips.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
-#include "tests/support/refusal.h"
-#include "tests/tokenizer/random_clips.h"
+#include "support/refusal.h"
+#include "tokenizer/random_clips.h"
 
 namespace mocaplm {
 namespace {
