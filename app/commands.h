@@ -1,5 +1,6 @@
 // One function a command: it declares the command's options on `app` and its callback. The commands
-// of the second list need LibTorch and live in a second executable that the first one starts.
+// of the second list need LibTorch and live in a second executable that the first one starts;
+// evaluate, of which only a part does, is in both.
 #pragma once
 
 #include <CLI/CLI.hpp>

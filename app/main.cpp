@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   add_info(app);
   add_tokenize(app);
   add_commands_with_torch(app);
+  add_evaluate(app);
   add_generate(app);
   add_view(app);
 #endif

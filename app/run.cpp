@@ -23,7 +23,9 @@ int report(ExitCode code, const std::string& message) {
   return static_cast<int>(code);
 }
 
-[[noreturn]] void start_with_torch() {
+}  // namespace
+
+void start_with_torch() {
   // OpenMP's threads wait for work by spinning for milliseconds, which costs everything when
   // another program has a core: let them spin for tens of microseconds. It is read when the other
   // program loads.
@@ -35,13 +37,10 @@ int report(ExitCode code, const std::string& message) {
               "cannot start " + other.string() + ", which should lie beside this program");
 }
 
-}  // namespace
-
 void add_commands_with_torch(CLI::App& app) {
   const std::pair<const char*, const char*> commands[] = {
       {"train", "pre-train or fine-tune a model on a dataset"},
       {"classify", "train and test a classifier beside LDA and the majority class"},
-      {"evaluate", "bits per frame of a model beside simple baselines"},
       {"demo", "the whole walk on procedural dances, in minutes"}};
   for (const auto& [name, help] : commands) {
     CLI::App* command = app.add_subcommand(name, help);

@@ -11,5 +11,7 @@ int run(CLI::App& app, int argc, char** argv);
 // Names the commands of the executable with LibTorch (mocaplm-torch, beside this one); using one
 // replaces this process by it, as git does with its own commands.
 void add_commands_with_torch(CLI::App& app);
+// Does so now, for a command of which only a part needs LibTorch.
+[[noreturn]] void start_with_torch();
 
 }  // namespace mocaplm

@@ -8,6 +8,7 @@
 #include "common/parallel.h"
 #include "common/progress.h"
 #include "common/text.h"
+#include "evaluate/generated/chosen_clips.h"
 #include "evaluate/likelihood.h"
 #include "model/transformer/setup.h"
 #include "model/transformer/weights.h"
@@ -18,16 +19,6 @@
 namespace mocaplm {
 
 namespace {
-
-bool chosen(const DatasetEntry& entry, const std::vector<std::string>& where) {
-  for (const std::string& text : where) {
-    const auto at = text.find('=');
-    if (at == std::string::npos) throw UsageError("--where " + text + ": expected label=value");
-    const auto found = entry.labels.find(text.substr(0, at));
-    if (found == entry.labels.end() || found->second != text.substr(at + 1)) return false;
-  }
-  return true;
-}
 
 std::string value_of(const DatasetEntry& entry, const std::string& label) {
   if (label.empty()) return "";
@@ -44,12 +35,7 @@ EncodedSplit encode(const Dataset& dataset, const EvaluateOptions& options,
                     const std::string& split, const Tokenizer& tokenizer,
                     const std::vector<std::string>& conditions) {
   EncodedSplit out;
-  for (const DatasetEntry& entry : dataset.split(split))
-    if (chosen(entry, options.where)) out.entries.push_back(entry);
-  if (out.entries.empty())
-    throw DataError(in_file(dataset.directory.string()),
-                    "no clip in split \"" + split + "\"" +
-                        (options.where.empty() ? "" : " with " + join(options.where, ", ")));
+  out.entries = chosen_entries(dataset, split, options.where);
   out.clips.resize(out.entries.size());
   parallel_for(out.entries.size(), options.threads, [&](std::size_t i) {
     const Clip clip = load_clip(dataset, out.entries[i]);

@@ -136,6 +136,35 @@ TEST_F(TrainingCommands, EvaluatePrintsBitsBesideBaselines) {
   EXPECT_NE(tables.dump().find("right_shoulder"), std::string::npos);
 }
 
+TEST_F(TrainingCommands, EvaluateForecastsAndMakesLongDances) {
+  const std::string evaluate = "evaluate --threads 1 --data " + at("data");
+  must(evaluate + " --forecast --split train --seed-seconds 0.4 --json " + at("simple.json"));
+  EXPECT_EQ(load_json(path("simple.json")).size(), 4u);
+  const std::string text =
+      must(evaluate + " --forecast --split train --seed-seconds 0.4 --windows 2 --samples 2 " +
+           "--all-joints --model " + at("run") + " --model " + at("tuned"));
+  EXPECT_NE(text.find("run, best of 2"), std::string::npos) << text;
+  EXPECT_NE(text.find("interpolated"), std::string::npos) << text;
+  must(evaluate + " --long 1 --split train --seed-seconds 0.5 --dances 2 --model " + at("tuned") +
+       " --json " + at("long.json"));
+  EXPECT_EQ(load_json(path("long.json")).size(), 2u);
+}
+
+TEST_F(TrainingCommands, EvaluateRefusesWhatAnotherModeNeeds) {
+  const std::string evaluate = "evaluate --data " + at("data");
+  refused(evaluate, 2, "--model");
+  refused(evaluate + " --long 5", 2, "--model");
+  refused(evaluate + " --long 5 --forecast", 2, "--long");
+  refused(evaluate + " --forecast --by genre", 2, "--by does nothing with --forecast");
+  refused(evaluate + " --forecast --dances 3", 2, "--dances does nothing with --forecast");
+  refused(evaluate + " --long 5 --horizons 100", 2, "--horizons does nothing with --long");
+  const std::string run = " --model " + at("run");
+  refused(evaluate + run + " --samples 3", 2, "--samples needs --forecast or --long");
+  refused(evaluate + run + run, 2, "compare several");
+  refused(evaluate + run + " --forecast --horizons 1", 2, "--horizons 1");
+  refused(evaluate + run + " --forecast --seed-seconds 50", 3, "shorter --seed-seconds");
+}
+
 TEST_F(TrainingCommands, ResumeGoesOnWithTheRunsOwnSettings) {
   // A run cut off after its first checkpoint: last/ is as it was after 2 of 4 steps.
   const std::string train = "train --threads 1 --out ";

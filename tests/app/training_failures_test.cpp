@@ -10,7 +10,10 @@ using TrainingFailures = TrainedRun;
 
 TEST_F(TrainingFailures, UsageExitsWithTwo) {
   for (const std::string command : {"train", "classify", "evaluate"}) {
-    refused(command, 2, command == "train" ? "--out" : "--model");
+    refused(command, 2,
+            command == "train"      ? "--out"
+            : command == "classify" ? "--model"
+                                    : "--data");
     refused(command + " --model m --data d --out o --nonsense", 2, "nonsense");
   }
   refused("train --out " + at("new"), 2, "--data");
