@@ -17,7 +17,7 @@ std::vector<AskedModel> load_models(const GeneratedOptions& options, std::int64_
   std::vector<AskedModel> models;
   for (const std::filesystem::path& path : options.models) {
     const EngineOptions engine = {named_precision(options.precision), options.threads,
-                                  std::clamp<std::int64_t>(sequences, 1, Engine::kMaxSequences)};
+                                  std::clamp<std::int64_t>(sequences, 1, kMaxSequences)};
     models.push_back(
         {options.models.size() == 1 ? "model" : path.string(),
          std::make_unique<Generator>(load_model(path), resolve_model(path).string(), engine)});
