@@ -55,9 +55,10 @@ class TileTokenizer {
                                 kFirstBin = Tokenizer::kFirstBin;
   static constexpr const char* kFormat = "mocaplm tile tokenizer";
 
-  // Fits components and bins on clips given one at a time: clip(i) for i in [0, count), each asked
-  // for twice. Throws UsageError for settings that cannot be (root = steps, both pca and ica, more
-  // components than channels, more characters than the alphabet has) and for no clips.
+  // Fits components and bins on clips given one at a time: clip(i) for i in [0, count); their
+  // values are held in memory. Throws UsageError for settings that cannot be (root = steps, both
+  // pca and ica, more components than channels, more characters than the alphabet has) and for no
+  // clips.
   static TileTokenizer fit(const TokenizerConfig& frames, const TileConfig& tiles,
                            std::size_t count, const std::function<Clip(std::size_t)>& clip);
   // The same on what `channel_values` gave of each clip.
