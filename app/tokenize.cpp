@@ -57,11 +57,10 @@ Plot report_plot(const std::vector<ReportRow>& rows) {
           {}};
   for (const ReportRow& row : rows) {
     const TileConfig& tiles = row.setting.tiles;
-    const std::string name = tiles.tiles == 0 ? "frames"
-                             : tiles.lapped   ? "lapped tiles"
-                             : tiles.ica > 0  ? "tiles, ICA"
-                             : tiles.pca > 0  ? "tiles, PCA"
-                                              : "tiles";
+    std::string name = tiles.tiles == 0 ? "frames" : tiles.lapped ? "lapped tiles" : "tiles";
+    if (tiles.tiles > 0 && tiles.pca > 0) name += ", PCA";
+    if (tiles.tiles > 0 && tiles.ica > 0) name += ", ICA";
+    if (row.setting.pieces.any()) name += ", in pieces";
     const auto at = kinds.emplace(name, plot.series.size());
     if (at.second) plot.series.push_back({name, {}, false});
     plot.series[at.first->second].points.push_back(

@@ -114,8 +114,9 @@ std::vector<double> plot_ticks(double low, double high, bool logarithmic, int mo
   if (logarithmic) {
     const int first = static_cast<int>(std::floor(std::log10(low)));
     const int last = static_cast<int>(std::ceil(std::log10(high)));
-    // All of 1, 2, 5 where they fit, else powers of ten, of many only every second, third, ...
-    for (const std::vector<double>& steps : {std::vector<double>{1, 2, 5}, {1}}) {
+    // As many as fit: 1 to 9; 1, 2, 5; powers of ten, of many only every second, third, ...
+    for (const std::vector<double>& steps :
+         {std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9}, {1, 2, 5}, {1}}) {
       const int stride = steps.size() > 1 ? 1 : (last - first) / most + 1;
       ticks.clear();
       for (int power = first; power <= last; power += stride)
@@ -148,7 +149,10 @@ std::string plot_svg(const Plot& plot) {
   x.widen();
   y.widen();
   x.from = kLeft;
-  x.to = kWidth - kRight;
+  // The legend stands beside the picture, so that it hides nothing.
+  std::size_t longest = 0;
+  for (const PlotSeries& series : plot.series) longest = std::max(longest, series.name.size());
+  x.to = kWidth - kRight - (longest > 0 ? 24 + 6.6 * static_cast<double>(longest) : 0);
   y.from = kHeight - kBottom;
   y.to = kTop;
 
@@ -165,9 +169,9 @@ std::string plot_svg(const Plot& plot) {
     const std::string ink = kColours[colour++ % std::size(kColours)];
     svg += series_tags(plot, series, ink, x, y);
     if (series.name.empty()) continue;
-    svg += "<circle cx=\"" + number(x.to - 12) + "\" cy=\"" + number(legend - 4) +
+    svg += "<circle cx=\"" + number(x.to + 18) + "\" cy=\"" + number(legend - 4) +
            "\" r=\"4\" fill=\"" + ink + "\"/>\n";
-    svg += text_tag(x.to - 22, legend, "end", series.name);
+    svg += text_tag(x.to + 28, legend, "start", series.name);
     legend += 17;
   }
   return svg + "</svg>\n";

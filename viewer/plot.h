@@ -26,8 +26,8 @@ struct Plot {
 };
 
 // Where ticks go between low and high: multiples of 1, 2 or 5 times a power of ten, at most `most`
-// of them; on a logarithmic axis the powers of ten, with their doubles and fives where there is
-// room. low < high.
+// of them; on a logarithmic axis the powers of ten, with their multiples or their doubles and
+// fives where there is room. low < high.
 std::vector<double> plot_ticks(double low, double high, bool logarithmic, int most = 8);
 
 // The whole file's text. Points that are not finite are left out. Throws UsageError when none is

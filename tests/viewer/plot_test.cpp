@@ -22,6 +22,7 @@ TEST(PlotTicks, AreRoundNumbersInside) {
   EXPECT_EQ(plot_ticks(0, 10, false), (std::vector<double>{0, 2, 4, 6, 8, 10}));
   EXPECT_EQ(plot_ticks(-1.2, 1.2, false, 5), (std::vector<double>{-1, -0.5, 0, 0.5, 1}));
   EXPECT_EQ(plot_ticks(1, 100, true), (std::vector<double>{1, 2, 5, 10, 20, 50, 100}));
+  EXPECT_EQ(plot_ticks(15, 55, true), (std::vector<double>{20, 30, 40, 50}));
   EXPECT_EQ(plot_ticks(1, 1e6, true), (std::vector<double>{1, 10, 100, 1e3, 1e4, 1e5, 1e6}));
   for (const double scale : {1e-7, 1.0, 3.7, 1e9})
     for (const int most : {2, 5, 8}) {
