@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/error.h"
+#include "common/settings.h"
 #include "common/text.h"
 #include "model/directory.h"
 #include "motion/formats/aist.h"
@@ -10,7 +11,7 @@
 #include "motion/formats/retarget.h"
 #include "motion/import.h"
 #include "motion/skeleton.h"
-#include "tokenizer/tokenizer.h"
+#include "tokenizer/any_tokenizer.h"
 
 namespace fs = std::filesystem;
 
@@ -77,10 +78,26 @@ std::vector<Table> describe_dataset(const fs::path& path) {
   return {splits, label_table(dataset)};
 }
 
+std::vector<Table> describe_tiles(const fs::path& path, const TileTokenizer& tokenizer) {
+  Table table(path.string(), {"tile tokenizer", tokenizer.fingerprint()});
+  const Json tiles = settings_json(tokenizer.tiles()), frames = settings_json(tokenizer.frames());
+  for (const Json* settings : {&tiles, &frames})
+    for (const auto& item : settings->items())
+      table.row({item.key(), item.value().is_array() ? Json(value_text(tokenizer.frames().joints))
+                                                     : item.value()});
+  table.row({"components", tokenizer.components()});
+  table.row({"vocabulary", tokenizer.vocabulary()});
+  return {table};
+}
+
 std::vector<Table> describe_tokenizer(const fs::path& path) {
-  const Tokenizer tokenizer = Tokenizer::load(path);
+  const std::unique_ptr<AnyTokenizer> any = load_tokenizer(path);
+  if (const auto* tiles = dynamic_cast<const TileWords*>(any.get()))
+    return describe_tiles(path, tiles->tokenizer());
+  const Tokenizer& tokenizer = dynamic_cast<const FrameWords&>(*any).tokenizer();
   Table table(path.string(), {"tokenizer", tokenizer.fingerprint()});
   table.row({"bins", tokenizer.bins()});
+  table.row({"binning", tokenizer.config().binning});
   table.row({"frames per second", tokenizer.config().fps});
   std::vector<std::string> names;
   for (const int joint : tokenizer.joints())

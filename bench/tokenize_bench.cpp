@@ -49,16 +49,20 @@ std::string rate_text(const benchmark::State& state) {
   return "from " + std::to_string(state.range(0)) + " frames/s";
 }
 
-void encode(benchmark::State& state) {
+void encode(benchmark::State& state, const char* binning) {
   const Clip clip = dance(static_cast<double>(state.range(0)));
-  const Tokenizer tokenizer = Tokenizer::fit({}, {clip});
+  TokenizerConfig config;
+  config.binning = binning;
+  const Tokenizer tokenizer = Tokenizer::fit(config, {clip});
   std::int64_t frames = 0;
   for (auto unused : state) {
     const TokenStream stream = tokenizer.encode(clip);
     frames = stream.frame.back() + 1;
   }
   report(state, clip, frames);
-  state.SetLabel("clip to tokens, " + rate_text(state));
+  state.SetLabel("clip to tokens, " +
+                 (config.binning == "uniform" ? "" : config.binning + " bins, ") +
+                 rate_text(state));
 }
 
 // What `mocaplm tokenize` does with a clip: it also decodes the tokens and measures what was lost.
@@ -77,5 +81,10 @@ void encode_and_measure_loss(benchmark::State& state) {
 
 }  // namespace
 
-BENCHMARK(encode)->Arg(60)->Arg(30)->Arg(50)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(encode, uniform, "uniform")
+    ->Arg(60)
+    ->Arg(30)
+    ->Arg(50)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(encode, quantile, "quantile")->Arg(60)->Unit(benchmark::kMillisecond);
 BENCHMARK(encode_and_measure_loss)->Arg(60)->Arg(30)->Arg(50)->Unit(benchmark::kMillisecond);

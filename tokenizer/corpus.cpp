@@ -20,7 +20,12 @@ bool plain_name(const std::string& name) {
   return true;
 }
 
-Json index_json(const Tokenizer& tokenizer, const std::vector<CorpusClip>& clips) {
+// Frames of all words together; of the last one some may not have been there.
+std::int64_t frames_told(const AnyTokenizer& tokenizer, const std::vector<std::int32_t>& ids) {
+  return std::count(ids.begin(), ids.end(), Tokenizer::kSeparator) * tokenizer.word_frames();
+}
+
+Json index_json(const AnyTokenizer& tokenizer, const std::vector<CorpusClip>& clips) {
   Json json;
   json["format"] = kFormat;
   json["version"] = 1;
@@ -30,22 +35,23 @@ Json index_json(const Tokenizer& tokenizer, const std::vector<CorpusClip>& clips
     const CorpusClip& clip = clips[i];
     Json labels = Json::object();
     for (const auto& [label, value] : clip.labels) labels[label] = value;
-    lines.push_back(
-        {{"line", i + 1},
-         {"name", clip.name},
-         {"frames", clip.ids.size() / static_cast<std::size_t>(tokenizer.tokens_per_frame())},
-         {"start", {clip.start.x(), clip.start.y(), clip.start.z()}},
-         {"labels", labels}});
+    lines.push_back({{"line", i + 1},
+                     {"name", clip.name},
+                     {"frames", clip.frames > 0 ? clip.frames : frames_told(tokenizer, clip.ids)},
+                     {"start", {clip.start.x(), clip.start.y(), clip.start.z()}},
+                     {"labels", labels}});
   }
   json["clips"] = lines;
   return json;
 }
 
-void read_index_entry(JsonObject& entry, std::size_t line, std::int64_t frames, CorpusClip& clip) {
+void read_index_entry(JsonObject& entry, std::size_t line, const AnyTokenizer& tokenizer,
+                      CorpusClip& clip) {
   entry.integer("line", static_cast<std::int64_t>(line), static_cast<std::int64_t>(line));
   clip.name = entry.text("name");
   if (!plain_name(clip.name)) entry.fail("name", "\"" + clip.name + "\" is not a plain file name");
-  entry.integer("frames", frames, frames);
+  const std::int64_t most = frames_told(tokenizer, clip.ids);
+  clip.frames = entry.integer("frames", most - tokenizer.word_frames() + 1, most);
   const std::vector<double> start = entry.numbers("start");
   if (start.size() != 3) entry.fail("start", "expected three numbers");
   for (std::size_t i = 0; i < 3; ++i) {
@@ -58,7 +64,7 @@ void read_index_entry(JsonObject& entry, std::size_t line, std::int64_t frames, 
 }
 
 // Gives the clips of a corpus their names, labels and starts.
-void read_index(const std::filesystem::path& path, const Tokenizer& tokenizer,
+void read_index(const std::filesystem::path& path, const AnyTokenizer& tokenizer,
                 std::vector<CorpusClip>& clips) {
   JsonObject object(load_json(path), path.string());
   object.choice("format", {kFormat});
@@ -77,9 +83,7 @@ void read_index(const std::filesystem::path& path, const Tokenizer& tokenizer,
   std::set<std::string> names;
   for (std::size_t i = 0; i < clips.size(); ++i) {
     JsonObject entry(lines[i], path.string() + ": clip " + std::to_string(i + 1));
-    const auto frames =
-        static_cast<std::int64_t>(clips[i].ids.size()) / tokenizer.tokens_per_frame();
-    read_index_entry(entry, i + 1, frames, clips[i]);
+    read_index_entry(entry, i + 1, tokenizer, clips[i]);
     if (!names.insert(clips[i].name).second)
       entry.fail("name", "\"" + clips[i].name + "\" is there twice");
   }
@@ -91,22 +95,22 @@ std::filesystem::path corpus_index_path(const std::filesystem::path& corpus) {
   return corpus.parent_path() / (corpus.stem().string() + ".clips.json");
 }
 
-std::string corpus_line(const Tokenizer& tokenizer, const std::vector<std::int32_t>& ids) {
+std::string corpus_line(const AnyTokenizer& tokenizer, const std::vector<std::int32_t>& ids) {
   std::string text = tokenizer.to_text(ids);
   if (!text.empty() && text.back() == ' ') text.pop_back();
   return text;
 }
 
-std::vector<std::int32_t> parse_corpus_line(const Tokenizer& tokenizer, const std::string& text,
+std::vector<std::int32_t> parse_corpus_line(const AnyTokenizer& tokenizer, const std::string& text,
                                             const std::string& file, std::size_t line) {
   if (text.empty()) throw DataError(at_line(file, line), "is empty, expected a clip");
   std::vector<std::int32_t> ids = tokenizer.from_text(text, file, line);
   if (ids.back() != Tokenizer::kSeparator) ids.push_back(Tokenizer::kSeparator);
-  tokenizer.check_frames(ids, to_string(at_line(file, line)));
+  tokenizer.check(ids, to_string(at_line(file, line)));
   return ids;
 }
 
-void write_corpus(const std::filesystem::path& path, const Tokenizer& tokenizer,
+void write_corpus(const std::filesystem::path& path, const AnyTokenizer& tokenizer,
                   const std::vector<CorpusClip>& clips) {
   std::string text;
   for (const CorpusClip& clip : clips) text += corpus_line(tokenizer, clip.ids) + "\n";
@@ -114,7 +118,8 @@ void write_corpus(const std::filesystem::path& path, const Tokenizer& tokenizer,
   save_json(corpus_index_path(path), index_json(tokenizer, clips));
 }
 
-std::vector<CorpusClip> read_corpus(const std::filesystem::path& path, const Tokenizer& tokenizer) {
+std::vector<CorpusClip> read_corpus(const std::filesystem::path& path,
+                                    const AnyTokenizer& tokenizer) {
   const std::string text = read_file(path);
   if (text.empty()) throw DataError(in_file(path.string()), "is empty, expected one clip a line");
   std::vector<CorpusClip> clips;

@@ -58,8 +58,8 @@ Table TokenizerLoss::table(const Tokenizer& tokenizer) const {
   const auto mean = [](double sum, std::int64_t count) {
     return count > 0 ? sum / static_cast<double>(count) : 0;
   };
-  Table table("Tokenizer: " + std::to_string(tokenizer.bins()) + " bins, " +
-                  std::to_string(tokenizer.channels()) + " channels, " +
+  Table table("Tokenizer: " + std::to_string(tokenizer.bins()) + " " + tokenizer.config().binning +
+                  " bins, " + std::to_string(tokenizer.channels()) + " channels, " +
                   format_number(tokenizer.config().fps) + " frames per second",
               {"quantity", "value", "unit"});
   table.row({"clips", clips, ""});
@@ -76,6 +76,14 @@ Table TokenizerLoss::table(const Tokenizer& tokenizer) const {
     table.row({"root error, mean", mean(root_sum, frames), "cm"});
     table.row({"root error, max", root_max, "cm"});
   }
+  int fewest = tokenizer.bins(), short_of = 0;
+  for (int c = 0; c < tokenizer.channels(); ++c) {
+    fewest = std::min(fewest, tokenizer.channel_bins(c));
+    short_of += tokenizer.channel_bins(c) < tokenizer.bins();
+  }
+  if (short_of > 0)
+    table.note(std::to_string(short_of) + " channels have fewer bins (" + std::to_string(fewest) +
+               " the fewest): the clips hold no more different values of them");
   table.note("fingerprint " + tokenizer.fingerprint());
   return table;
 }

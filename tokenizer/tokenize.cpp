@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "common/error.h"
@@ -22,7 +23,8 @@ namespace fs = std::filesystem;
 // A clip that is read when it is needed: a large collection never lies in memory as a whole.
 struct Source {
   std::string name;
-  bool fit = true;  // part of what the ranges are fitted on
+  bool fit = true;  // part of what the tokenizer is fitted on
+  bool test = false;
   std::function<Clip()> read;
 };
 
@@ -31,6 +33,7 @@ void add_dataset(const std::string& folder, std::vector<Source>& sources) {
   const bool has_training = !dataset->split("train").empty();
   for (const DatasetEntry& entry : dataset->entries)
     sources.push_back({entry.name, !has_training || entry.split == "train",
+                       has_training && entry.split == "test",
                        [dataset, entry] { return load_clip(*dataset, entry); }});
 }
 
@@ -41,7 +44,7 @@ std::vector<Source> open_inputs(const std::vector<std::string>& inputs) {
       add_dataset(input, sources);
     else
       sources.push_back(
-          {fs::path(input).stem().string(), true, [input] { return read_clip(input); }});
+          {fs::path(input).stem().string(), true, false, [input] { return read_clip(input); }});
   }
   if (sources.empty()) throw UsageError("there are no clips to tokenize");
   std::set<std::string> names;
@@ -52,30 +55,41 @@ std::vector<Source> open_inputs(const std::vector<std::string>& inputs) {
   return sources;
 }
 
-Tokenizer make_tokenizer(const TokenizeOptions& options, const std::vector<Source>& sources) {
-  if (!options.tokenizer.empty()) return Tokenizer::load(options.tokenizer);
+std::unique_ptr<AnyTokenizer> make_tokenizer(const TokenizeOptions& options,
+                                             const std::vector<Source>& sources) {
+  if (!options.tokenizer.empty()) return load_tokenizer(options.tokenizer);
   std::vector<const Source*> fitted;
   for (const Source& source : sources)
     if (source.fit) fitted.push_back(&source);
   Progress progress("fit", fitted.size(), "clips");
-  return Tokenizer::fit(options.config, fitted.size(), [&](std::size_t i) {
+  return fit_tokenizer(options.config, options.tiles, fitted.size(), [&](std::size_t i) {
     progress.update(i);
     return fitted[i]->read();
   });
 }
 
+// Pieces of the text of what the tokenizer is fitted on.
+Pieces learn(const PieceConfig& config, const AnyTokenizer& tokenizer,
+             const std::vector<Source>& sources) {
+  std::vector<const Source*> fitted;
+  for (const Source& source : sources)
+    if (source.fit) fitted.push_back(&source);
+  return learn_pieces(config, tokenizer, fitted.size(),
+                      [&](std::size_t i) { return fitted[i]->read(); });
+}
+
 // An output folder may be a model's: its tokenizer (and the condition tokens in it) is never
 // replaced.
-bool write_tokenizer(const Tokenizer& tokenizer, const fs::path& path, bool write) {
+bool write_tokenizer(const AnyTokenizer& tokenizer, const fs::path& path, bool write) {
   if (fs::exists(path)) {
-    const std::string there = Tokenizer::load(path).fingerprint();
+    const std::string there = load_tokenizer(path)->fingerprint();
     if (there != tokenizer.fingerprint())
       throw DataError(in_file(path.string()), "is another tokenizer (" + there + ", not " +
                                                   tokenizer.fingerprint() +
                                                   "); give another --out or move it away");
     return true;
   }
-  if (write) tokenizer.save(path);
+  if (write) save_json(path, tokenizer.to_json());
   return false;
 }
 
@@ -85,55 +99,119 @@ void check_text_target(const fs::path& corpus) {
                     "exists and was not written by tokenize; give another --out");
 }
 
+std::string clips_text(const std::vector<Clip>& clips) {
+  double seconds = 0;
+  for (const Clip& clip : clips) seconds += clip.seconds();
+  return std::to_string(clips.size()) + " clips (" + format_duration(seconds) + ")";
+}
+
+// What encoding lost, in the table of either kind of tokenizer.
+class Losses {
+ public:
+  explicit Losses(const AnyTokenizer& tokenizer)
+      : tokenizer_(tokenizer),
+        frames_(dynamic_cast<const FrameWords*>(&tokenizer)),
+        words_(start_measure(tokenizer)) {}
+  // The clip's line of a corpus; where it is in the motion is not needed there.
+  CorpusClip encode(const std::string& name, const Clip& clip) {
+    const std::int64_t before = words_.frames;
+    TokenStream stream = frames_ ? encode_and_measure(frames_->tokenizer(), clip, loss_)
+                                 : measure_clip(tokenizer_, clip, words_);
+    return {name, clip.labels, clip.trans.row(0).transpose(), std::move(stream.ids),
+            words_.frames - before};
+  }
+  Table table() const {
+    return frames_
+               ? loss_.table(frames_->tokenizer())
+               : word_table(words_,
+                            "Tiles of " + std::to_string(tokenizer_.word_frames()) + " frames, " +
+                                format_number(tokenizer_.frames().fps) + " frames per second",
+                            tokenizer_.fingerprint());
+  }
+
+ private:
+  const AnyTokenizer& tokenizer_;
+  const FrameWords* frames_;
+  TokenizerLoss loss_;
+  WordMeasure words_;
+};
+
 }  // namespace
 
 Table tokenize(const TokenizeOptions& options) {
   const bool to_file = lower(options.out.extension().string()) == ".json";
-  if (options.text && to_file)
-    throw UsageError("--text needs a folder for --out, " + options.out.string() +
+  if ((options.text || options.pieces.any()) && to_file)
+    throw UsageError("a text or pieces need a folder for --out, " + options.out.string() +
                      " is a .json file");
   const std::vector<Source> sources = open_inputs(options.inputs);
-  const Tokenizer tokenizer = make_tokenizer(options, sources);
+  const std::unique_ptr<AnyTokenizer> tokenizer = make_tokenizer(options, sources);
   const fs::path target = to_file ? options.out : options.out / "tokenizer.json";
   const fs::path corpus = options.out / "corpus.txt";
-  write_tokenizer(tokenizer, target, false);
+  write_tokenizer(*tokenizer, target, false);
   if (options.text) check_text_target(corpus);
 
-  TokenizerLoss loss;
+  std::optional<Pieces> pieces;
+  if (options.pieces.any()) pieces = learn(options.pieces, *tokenizer, sources);
+  std::size_t tokens = 0;
+  Losses losses(*tokenizer);
   std::vector<CorpusClip> clips;
   Progress progress("tokenize", sources.size(), "clips");
   for (const Source& source : sources) {
-    const Clip clip = source.read();
-    TokenStream stream = encode_and_measure(tokenizer, clip, loss);
-    if (options.text)
-      clips.push_back(
-          {source.name, clip.labels, clip.trans.row(0).transpose(), std::move(stream.ids)});
+    CorpusClip line = losses.encode(source.name, source.read());
+    if (pieces) tokens += pieces->encode(tokenizer->to_text(line.ids)).size();
+    if (options.text) clips.push_back(std::move(line));
     progress.add(source.name);
   }
   progress.finish();
-  Table table = loss.table(tokenizer);
-  table.note(target.string() + (write_tokenizer(tokenizer, target, true)
+  Table table = losses.table();
+  table.note(target.string() + (write_tokenizer(*tokenizer, target, true)
                                     ? ": the same tokenizer was there"
                                     : ": written"));
+  if (pieces) {
+    table.row({"pieces", pieces->size(), ""});
+    table.row({"tokens as pieces", tokens, "with separators"});
+    pieces->save(options.out / "pieces.model");
+    table.note((options.out / "pieces.model").string() + ": written");
+  }
   if (options.text) {
-    write_corpus(corpus, tokenizer, clips);
+    write_corpus(corpus, *tokenizer, clips);
     table.note(corpus.string() + ": one clip a line, " +
                corpus_index_path(corpus).filename().string() + " names them");
   }
   return table;
 }
 
+std::vector<ReportRow> tokenize_report(const TokenizeOptions& options,
+                                       const std::vector<std::string>& specs, std::string& note) {
+  const std::vector<ReportSetting> settings =
+      report_settings(specs, {"", options.config, options.tiles, options.pieces});
+  std::vector<Clip> fitted, held_out;
+  const std::vector<Source> sources = open_inputs(options.inputs);
+  Progress progress("read", sources.size(), "clips");
+  for (const Source& source : sources) {
+    if (source.fit) fitted.push_back(source.read());
+    if (source.test) held_out.push_back(source.read());
+    progress.add(source.name);
+  }
+  progress.finish();
+  const bool own = held_out.empty();
+  note =
+      "fitted on " + clips_text(fitted) + ", measured on " +
+      (own ? "the same clips: there is no test split" : clips_text(held_out) + " not among them");
+  return report(settings, fitted, own ? fitted : held_out);
+}
+
 Table untokenize(const fs::path& corpus, const fs::path& tokenizer_file, const fs::path& out) {
-  const Tokenizer tokenizer = Tokenizer::load(tokenizer_file);
-  const std::vector<CorpusClip> lines = read_corpus(corpus, tokenizer);
+  const std::unique_ptr<AnyTokenizer> tokenizer = load_tokenizer(tokenizer_file);
+  const std::vector<CorpusClip> lines = read_corpus(corpus, *tokenizer);
   for (const CorpusClip& line : lines)
     if (fs::exists(out / (line.name + ".npz")))
       throw DataError(in_file((out / (line.name + ".npz")).string()),
                       "exists already and is not replaced; give another --out");
-  Table table("Decoded with tokenizer " + tokenizer.fingerprint(), {"clip", "frames", "seconds"});
+  Table table("Decoded with tokenizer " + tokenizer->fingerprint(), {"clip", "frames", "seconds"});
   table.digits({-1, 0, 2});
   for (const CorpusClip& line : lines) {
-    const Clip clip = tokenizer.decode(line.ids, line.name, line.start);
+    const Clip clip = tokenizer->decode(line.ids, line.frames, line.name, line.start);
     write_npz(out / (line.name + ".npz"), clip);
     table.row({line.name, clip.frames(), clip.seconds()});
   }

@@ -1,5 +1,5 @@
 // What `mocaplm tokenize` does: fits a tokenizer on clips, writes it and, asked for, their text;
-// and the way back from text to clips.
+// the way back from text to clips; and the report of many tokenizers.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/table.h"
+#include "tokenizer/report.h"
 #include "tokenizer/tokenizer.h"
 
 namespace mocaplm {
@@ -16,6 +17,8 @@ struct TokenizeOptions {
   std::vector<std::string> inputs;  // dataset folders and motion files
   std::filesystem::path out;        // a folder, or with no text a .json file
   TokenizerConfig config;
+  TileConfig tiles;                 // with tiles.tiles > 0 words are tiles, not frames
+  PieceConfig pieces;               // with any() pieces of words are learnt: out/pieces.model
   std::filesystem::path tokenizer;  // an existing tokenizer.json in place of fitting; "" fits
   bool text = false;                // write corpus.txt and corpus.clips.json
 };
@@ -26,6 +29,12 @@ struct TokenizeOptions {
 // cannot be, and DataError as the readers do, or when `out` holds another tokenizer or a text that
 // is not a corpus.
 Table tokenize(const TokenizeOptions& options);
+
+// Measures the tokenizer of each of `specs` (report_settings), which change options.config and
+// options.tiles: fitted on the training split, measured on the test split. Without a dataset among
+// the inputs, or without a test split, both are all clips, and `note` says so.
+std::vector<ReportRow> tokenize_report(const TokenizeOptions& options,
+                                       const std::vector<std::string>& specs, std::string& note);
 
 // Reads a corpus and writes out/NAME.npz for each line, at the tokenizer's rate. All lines are
 // checked before the first file is written; files that exist are never replaced.

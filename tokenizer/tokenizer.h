@@ -1,6 +1,7 @@
 // Motion as text (thesis 4.4, 4.5): a frame is a word, each axis-angle component a character, words
-// are separated by a space. Uniform bins over [-pi, pi] radians for rotations; bins over fitted
-// ranges for the root's translation.
+// are separated by a space. Uniform bins over [-pi, pi] radians for rotations and over fitted
+// ranges for the root's translation, or bins that hold equally many of the values that the fitting
+// saw.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +13,15 @@
 
 #include "common/json.h"
 #include "motion/clip.h"
+#include "tokenizer/bins.h"
 
 namespace mocaplm {
 
 struct TokenizerConfig {
-  std::int64_t bins = 360;                       // per channel
+  std::int64_t bins = 360;  // per channel
+  // "uniform": bins of one width; "quantile": bins of each channel with equally many values in
+  // each; "pooled_quantile": the same, one set of bins for all rotation channels together.
+  std::string binning = "uniform";
   double fps = 20;                               // clips are resampled to this rate
   std::vector<std::string> joints = {"thesis"};  // joint or group names, see parse_joints
   // "steps": per frame (left, height, forward): horizontal steps in the dancer's own heading,
@@ -25,7 +30,9 @@ struct TokenizerConfig {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.integer("bins", bins, 2, 4096, "uniform bins per channel");
+    v.integer("bins", bins, 2, 4096, "bins per channel");
+    v.choice("binning", binning, {"uniform", "quantile", "pooled_quantile"},
+             "bins of equal width, or of equally many values, per channel or for all rotations");
     v.number("fps", fps, 1, 1000, "frames per second of the token stream");
     v.texts("joints", joints, "joints or groups of joints, comma separated");
     v.choice("root", root, {"steps", "absolute", "none"}, "how the root's translation is told");
@@ -62,7 +69,7 @@ class Tokenizer {
   static constexpr std::int32_t kPad = 0, kMask = 1, kStart = 2, kSeparator = 3, kFirstBin = 4;
 
   Tokenizer() = default;
-  // Fits the root's ranges on `clips` (each at its own rate).
+  // Fits the root's ranges and quantile bins on `clips` (each at its own rate).
   static Tokenizer fit(const TokenizerConfig& config, const std::vector<Clip>& clips);
   // The same with one clip in memory at a time: `clip(i)` for i in [0, count).
   static Tokenizer fit(const TokenizerConfig& config, std::size_t count,
@@ -75,6 +82,10 @@ class Tokenizer {
   int tokens_per_frame() const { return channels() + 1; }  // with the separator
   int vocabulary() const;                                  // all ids
   int bins() const { return static_cast<int>(config_.bins); }
+  // Bins that a channel has: fewer than bins() where the fitting saw fewer different values.
+  int channel_bins(int channel) const {
+    return fitted_.empty() ? bins() : fitted_bins(channel).count();
+  }
   bool is_bin(std::int32_t id) const { return id >= kFirstBin && id < kFirstBin + bins(); }
   // "left_knee.y", "root.forward"; also "separator" for channels().
   std::string channel_name(int channel) const;
@@ -114,14 +125,17 @@ class Tokenizer {
   Clip decode(const std::vector<std::int32_t>& ids, const std::string& name = "",
               const Eigen::Vector3d& start = Eigen::Vector3d::Zero()) const;
 
-  // Centre of a bin in the channel's unit, and the bin of a value (clamped).
+  // What a bin decodes to in the channel's unit (its centre, the mean of its values where it was
+  // fitted), and the bin of a value (clamped).
   double bin_centre(int channel, int bin) const {
     const auto c = static_cast<std::size_t>(channel);
+    if (!fitted_.empty()) return fitted_bins(channel).centre(bin);
     return low_[c] + (high_[c] - low_[c]) * (bin + 0.5) / bins();
   }
   int bin_of(int channel, double value, bool* clamped = nullptr) const {
     const auto c = static_cast<std::size_t>(channel);
     if (clamped) *clamped = value < low_[c] || value > high_[c];
+    if (!fitted_.empty()) return fitted_bins(channel).of(value);
     const double bin = (value - low_[c]) / (high_[c] - low_[c]) * bins();
     // Not negative, so that the conversion rounds down.
     return static_cast<int>(std::clamp(bin, 0.0, bins() - 1.0));
@@ -157,13 +171,30 @@ class Tokenizer {
   // The rotation channels of one frame of a clip at this rate; in `values` are those of the frame
   // before, unless it is the first.
   void next_rotations(const Clip& clip, Eigen::Index frame, std::vector<double>& values) const;
+  // The quantile bins of a channel; fitted_ must not be empty.
+  const Bins& fitted_bins(int channel) const {
+    const int own = channel < rotation_channels() ? 0 : channel - rotation_channels() + 1;
+    return fitted_[static_cast<std::size_t>(pooled_ ? own : channel)];
+  }
+  void fit_ranges(const RowSample& values);
+  void fit_bins(const RowSample& values);
+  std::string fitted_name(std::size_t index) const;  // whose bins fitted_[index] are
+  void read_bins(JsonObject& object);
   void read_ranges(JsonObject& object);
   void read_labels(JsonObject& object);
 
   TokenizerConfig config_;
   std::vector<int> joints_;
   std::vector<double> low_, high_;  // per channel
+  // None with uniform bins; one a channel with quantile; with pooled_quantile the rotations' and
+  // one for each channel of the root.
+  std::vector<Bins> fitted_;
+  bool pooled_ = false;
   std::vector<std::pair<std::string, std::vector<std::string>>> labels_;
 };
+
+// The ids of a text of `count` different characters and spaces; see Tokenizer::from_text.
+std::vector<std::int32_t> characters_to_ids(const std::string& text, int count,
+                                            const std::string& name, std::size_t line);
 
 }  // namespace mocaplm

@@ -1,5 +1,5 @@
-// tokenizer.json: settings, the root's ranges, the condition tokens, and a fingerprint of what bins
-// mean.
+// tokenizer.json: settings, the root's ranges, fitted bins, the condition tokens, and a fingerprint
+// of what bins mean.
 #include <cstdio>
 
 #include "common/error.h"
@@ -36,7 +36,15 @@ std::string Tokenizer::fingerprint() const {
     const auto i = static_cast<std::size_t>(c);
     all += " " + channel_name(c) + " " + exact(low_[i]) + " " + exact(high_[i]);
   }
+  // Uniform tokenizers keep the fingerprint that they had before there were others.
+  if (!fitted_.empty()) all += " binning " + config_.binning;
+  for (const Bins& bins : fitted_) all += " " + bins.exact_text();
   return hex(stable_hash(all));
+}
+
+std::string Tokenizer::fitted_name(std::size_t index) const {
+  if (!pooled_) return channel_name(static_cast<int>(index));
+  return index == 0 ? "rotations" : channel_name(rotation_channels() + static_cast<int>(index) - 1);
 }
 
 Json Tokenizer::to_json() const {
@@ -44,11 +52,14 @@ Json Tokenizer::to_json() const {
   json["format"] = kFormat;
   json["version"] = kVersion;
   json["settings"] = settings_json(config_);
+  if (fitted_.empty()) json["settings"].erase("binning");  // as it was before there was a choice
   Json ranges = Json::object();
   for (int c = rotation_channels(); c < channels(); ++c)
     ranges[range_key(channel_name(c))] = {low_[static_cast<std::size_t>(c)],
                                           high_[static_cast<std::size_t>(c)]};
   json["root_ranges"] = ranges;
+  for (std::size_t i = 0; i < fitted_.size(); ++i)
+    json["quantile_bins"][fitted_name(i)] = fitted_[i].to_json();
   Json labels = Json::array();
   for (const auto& [label, values] : labels_)
     labels.push_back({{"label", label}, {"values", values}});
@@ -86,13 +97,16 @@ Tokenizer Tokenizer::from_json(const Json& json, const std::string& place) {
   Tokenizer tokenizer;
   try {
     TokenizerConfig rotations = config;
-    rotations.root = "none";  // the ranges come from the file
+    rotations.root = "none";  // the ranges come from the file, fitted bins too
+    rotations.binning = "uniform";
     tokenizer = fit(rotations, {});
   } catch (const UsageError& error) {
     settings.fail("joints", error.what());
   }
   tokenizer.config_.root = config.root;
+  tokenizer.config_.binning = config.binning;
   tokenizer.read_ranges(object);
+  if (config.binning != "uniform") tokenizer.read_bins(object);
   tokenizer.read_labels(object);
   const std::string found = object.text("fingerprint");
   if (found != tokenizer.fingerprint())
@@ -120,6 +134,17 @@ void Tokenizer::read_ranges(JsonObject& object) {
     }
   }
   ranges.finish();
+}
+
+void Tokenizer::read_bins(JsonObject& object) {
+  pooled_ = config_.binning == "pooled_quantile";
+  const int sets = pooled_ ? channels() - rotation_channels() + 1 : channels();
+  JsonObject all = object.object("quantile_bins");
+  for (std::size_t i = 0; i < static_cast<std::size_t>(sets); ++i) {
+    const std::string name = fitted_name(i);
+    fitted_.push_back(Bins::from_json(all.raw(name), all.place() + ": \"" + name + "\"", bins()));
+  }
+  all.finish();
 }
 
 void Tokenizer::read_labels(JsonObject& object) {

@@ -56,6 +56,11 @@ std::string Tokenizer::to_text(const std::vector<std::int32_t>& ids) const {
 
 std::vector<std::int32_t> Tokenizer::from_text(const std::string& text, const std::string& name,
                                                std::size_t line) const {
+  return characters_to_ids(text, bins(), name, line);
+}
+
+std::vector<std::int32_t> characters_to_ids(const std::string& text, int count,
+                                            const std::string& name, std::size_t line) {
   std::vector<std::int32_t> ids;
   ids.reserve(text.size());
   std::size_t character = 1;
@@ -65,16 +70,16 @@ std::vector<std::int32_t> Tokenizer::from_text(const std::string& text, const st
     char32_t c = 0;
     if (!next_utf8(text, at, c)) throw DataError(place, "is not UTF-8 text");
     if (c == ' ') {
-      ids.push_back(kSeparator);
+      ids.push_back(Tokenizer::kSeparator);
       continue;
     }
     const int bin = character_bin(c);
-    if (bin < 0 || bin >= bins())
+    if (bin < 0 || bin >= count)
       throw DataError(place, "found " + show(c) + ", which is " +
                                  (bin < 0 ? "not in the alphabet" : "bin " + std::to_string(bin)) +
-                                 "; this tokenizer has " + std::to_string(bins()) + " bins, " +
-                                 show(bin_character(0)) + " to " + show(bin_character(bins() - 1)));
-    ids.push_back(kFirstBin + bin);
+                                 "; this tokenizer has " + std::to_string(count) + " bins, " +
+                                 show(bin_character(0)) + " to " + show(bin_character(count - 1)));
+    ids.push_back(Tokenizer::kFirstBin + bin);
   }
   return ids;
 }

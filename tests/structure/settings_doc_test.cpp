@@ -11,6 +11,8 @@
 #include "model/config.h"
 #include "motion/import/config.h"
 #include "motion/synth.h"
+#include "tokenizer/pieces.h"
+#include "tokenizer/tiles.h"
 #include "tokenizer/tokenizer.h"
 #include "train/config.h"
 
@@ -92,6 +94,14 @@ void expect_documented(const std::string& title, const std::vector<std::string>&
 
 TEST(SettingsDocument, Tokenizer) {
   expect_documented("tokenizer", rows_of(TokenizerConfig()));
+}
+
+TEST(SettingsDocument, Tiles) {
+  expect_documented("tiles", rows_of(TileConfig()));
+}
+
+TEST(SettingsDocument, Pieces) {
+  expect_documented("pieces", rows_of(PieceConfig()));
 }
 
 TEST(SettingsDocument, Model) {

@@ -1,0 +1,85 @@
+#include "viewer/plot.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "common/error.h"
+#include "support/refusal.h"
+
+namespace mocaplm {
+namespace {
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++found;
+  return found;
+}
+
+TEST(PlotTicks, AreRoundNumbersInside) {
+  EXPECT_EQ(plot_ticks(0, 10, false), (std::vector<double>{0, 2, 4, 6, 8, 10}));
+  EXPECT_EQ(plot_ticks(-1.2, 1.2, false, 5), (std::vector<double>{-1, -0.5, 0, 0.5, 1}));
+  EXPECT_EQ(plot_ticks(1, 100, true), (std::vector<double>{1, 2, 5, 10, 20, 50, 100}));
+  EXPECT_EQ(plot_ticks(15, 55, true), (std::vector<double>{20, 30, 40, 50}));
+  EXPECT_EQ(plot_ticks(1, 1e6, true), (std::vector<double>{1, 10, 100, 1e3, 1e4, 1e5, 1e6}));
+  for (const double scale : {1e-7, 1.0, 3.7, 1e9})
+    for (const int most : {2, 5, 8}) {
+      const std::vector<double> ticks = plot_ticks(-0.3 * scale, 0.9 * scale, false, most);
+      EXPECT_GE(ticks.size(), 1u);
+      EXPECT_LE(ticks.size(), static_cast<std::size_t>(most) + 1);
+      for (const double tick : ticks) {
+        EXPECT_GE(tick, -0.3 * scale * 1.0001);
+        EXPECT_LE(tick, 0.9 * scale * 1.0001);
+      }
+    }
+}
+
+TEST(Plot, HoldsEveryPointWithItsValues) {
+  Plot plot{"Error & size", "bins", "degrees", true, true, {}};
+  plot.series.push_back({"mean", {{90, 1.03, "b90"}, {360, 0.25, ""}}, true});
+  plot.series.push_back({"max", {{90, 2, ""}}, false});
+  const std::string svg = plot_svg(plot);
+  EXPECT_EQ(svg.rfind("<svg xmlns=", 0), 0u);
+  EXPECT_PRED2(contains, svg, "<title>Error &amp; size</title>");
+  EXPECT_PRED2(contains, svg, "<title>b90\nbins: 90\ndegrees: 1.03</title>");
+  EXPECT_PRED2(contains, svg, "<title>max\nbins: 90\ndegrees: 2</title>");
+  EXPECT_EQ(count(svg, "<polyline"), 1u);
+  EXPECT_EQ(count(svg, "<circle"), 3u + 2u) << "three points, two in the legend";
+  EXPECT_EQ(count(svg, "http"), 1u) << "the name space, nothing to load";
+  EXPECT_EQ(count(svg, "<title>"), count(svg, "</title>"));
+}
+
+// Where the points lie in the picture: further right and further up for larger values.
+TEST(Plot, LargerIsFurtherRightAndUp) {
+  for (const bool log : {false, true}) {
+    Plot plot{"", "x", "y", log, log, {{"", {{1, 1, ""}, {10, 100, ""}, {50, 1000, ""}}, true}}};
+    const std::string svg = plot_svg(plot);
+    double last_x = -1, last_y = 1e9;
+    for (std::size_t at = svg.find("cx="); at != std::string::npos; at = svg.find("cx=", at + 1)) {
+      const double x = std::stod(svg.substr(at + 4)),
+                   y = std::stod(svg.substr(svg.find("cy=", at) + 4));
+      EXPECT_GT(x, last_x);
+      EXPECT_LT(y, last_y);
+      EXPECT_GE(x, 72);
+      EXPECT_LE(x, 740);
+      last_x = x;
+      last_y = y;
+    }
+  }
+}
+
+TEST(Plot, LeavesOutWhatItCannotShow) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Plot plot{"", "x", "y", true, false, {{"a", {{nan, 1, ""}, {0, 1, ""}, {-1, 1, ""}}, true}}};
+  EXPECT_THROW(plot_svg(plot), UsageError);
+  plot.series[0].points.push_back({5, 3, ""});
+  const std::string svg = plot_svg(plot);
+  EXPECT_EQ(count(svg, "<circle"), 2u);
+  EXPECT_EQ(count(svg, "nan"), 0u);
+  EXPECT_EQ(count(svg, "inf"), 0u);
+}
+
+}  // namespace
+}  // namespace mocaplm
