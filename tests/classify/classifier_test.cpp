@@ -5,6 +5,7 @@
 
 #include "classify/predict.h"
 #include "classify/train.h"
+#include "model/transformer/transformer.h"
 #include "motion/formats/npz.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
