@@ -12,9 +12,7 @@
 
 namespace mocaplm {
 
-// (B, F, C) bins of whole frames -> (B, F, C * kFrameFeatures): of each channel its place u in its
-// range, sin and cos of pi u, 2 pi u and 4 pi u, and half the inverse hyperbolic sine of its last
-// kFrameLags steps in bins, latest first, 0 before the window's second frame.
+// (B, F, C) bins of whole frames -> (B, F, C * kFrameFeatures), see model/input.h.
 at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins);
 
 class FrameTransformer : public LanguageModel {

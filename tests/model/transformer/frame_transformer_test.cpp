@@ -145,9 +145,16 @@ class Reference {
         values.push_back(std::sin(k * M_PI * u));
         values.push_back(std::cos(k * M_PI * u));
       }
-      for (std::size_t lag = 0; lag < static_cast<std::size_t>(kFrameLags); ++lag)
-        values.push_back(
-            frame < lag + 1 ? 0 : std::asinh(bin(frame - lag, c) - bin(frame - lag - 1, c)) / 2);
+      const auto turn = [&](std::size_t back) {
+        return frame < back + 2
+                   ? 0
+                   : bin(frame - back, c) - 2 * bin(frame - back - 1, c) + bin(frame - back - 2, c);
+      };
+      values.push_back(frame < 1 ? 0 : std::asinh(bin(frame, c) - bin(frame - 1, c)) / 2);
+      values.push_back(std::asinh(turn(0)) / 2);
+      values.push_back(std::asinh(turn(1)) / 2);
+      for (std::size_t lag = 0; lag < 6; ++lag)
+        values.push_back(std::min(std::max(turn(lag), -8.), 8.) / 4);
     }
     return at::tensor(values, at::kDouble);
   }
