@@ -129,7 +129,8 @@ double frames_parameters(const ModelDescription& d, double width, double outputs
              channels = static_cast<double>(d.shape.channels),
              narrow = static_cast<double>(c.decoder_embd);
   const double features = channels * kFrameFeatures;
-  double rows = vocabulary + 2 * channels + 1;  // of the channel decoder's tables
+  // Of the channel decoder's tables, and of own_in with its bias.
+  double rows = vocabulary + 2 * channels + 1 + kFrameFeatures + 1;
   if (c.history) rows += 3 * static_cast<double>(model_sizes(d).history_rows);
   return (vocabulary + static_cast<double>(c.block_size) + features + 1) * width +
          block_parameters(width, c.n_layer) + (width + features + 1) * channels * narrow +

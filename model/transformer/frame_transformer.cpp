@@ -59,6 +59,7 @@ FrameTransformer::FrameTransformer(const ModelDescription& description)
   ln_w_ = make("ln.weight", {c.n_embd}, 0, 1);
   ln_b_ = make("ln.bias", {c.n_embd}, 0);
   channel_in_ = make_linear("channel_in", channels * narrow, c.n_embd + features);
+  own_in_ = make_linear("decoder.own_in", narrow, kFrameFeatures);
   channel_ = make_table("decoder.channel_embedding", channels, narrow);
   before_ = make_table("decoder.before_embedding", channels + 1, narrow);
   chosen_ = make_table("decoder.chosen_embedding", vocabulary, narrow);
@@ -138,8 +139,11 @@ at::Tensor FrameTransformer::decode(const at::Tensor& hidden, const Batch& batch
   // The state before each frame, and the features of the frame before it.
   const at::Tensor state = hidden.slice(1, batch.prefix - 1, batch.prefix - 1 + frames);
   const at::Tensor features = at::constant_pad_nd(whole_frames(batch), {0, 0, 1, 0});
+  // What the time model tells each channel, and the channel's own numbers, read alike for all.
   const at::Tensor own =
-      output_linear(channel_in_, at::cat({state, features}, 2).flatten(0, 1), precision_)
+      (output_linear(channel_in_, at::cat({state, features}, 2).flatten(0, 1), precision_)
+           .view({-1, narrow}) +
+       output_linear(own_in_, features.view({-1, kFrameFeatures}), precision_))
           .view({-1, channels, narrow});
   // A column of the grid lies before its channel and behind the one before it in the stream.
   const at::Tensor behind = at::cat({at::zeros({1}, order.options()), order.slice(0, 0, -1) + 1});

@@ -43,7 +43,7 @@ class FrameTransformer : public LanguageModel {
 
   at::Tensor token_, position_;
   std::vector<std::int64_t> order_;
-  LinearWeights frame_in_, channel_in_;
+  LinearWeights frame_in_, channel_in_, own_in_;
   std::vector<BlockWeights> blocks_, decoder_;
   at::Tensor ln_w_, ln_b_;
   at::Tensor channel_, before_, chosen_, surprise_, velocity_, last_surprise_;

@@ -91,8 +91,10 @@ class Reference {
     const at::Tensor before = frame > 0
                                   ? features(in, frame - 1)
                                   : at::zeros({d_.shape.channels * kFrameFeatures}, at::kDouble);
-    const at::Tensor own = linear("channel_in", at::cat({state, before}))
-                               .view({d_.shape.channels, d_.config.decoder_embd});
+    const at::Tensor own =
+        linear("channel_in", at::cat({state, before}))
+            .view({d_.shape.channels, d_.config.decoder_embd}) +
+        linear("decoder.own_in", before.view({d_.shape.channels, kFrameFeatures}));
     std::vector<at::Tensor> y;
     std::size_t chosen = frame * per_frame;  // the position of what was chosen last
     std::size_t behind = 0;
