@@ -46,6 +46,12 @@ at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins) {
   return at::stack(parts, 3).flatten(2);
 }
 
+// The deviation of fresh weights with which a linear layer starts as loud as the embeddings that
+// are added to it, rather than drowning them.
+double FrameTransformer::as_embedding(std::int64_t inputs) {
+  return kDeviation / std::sqrt(static_cast<double>(inputs));
+}
+
 FrameTransformer::FrameTransformer(const ModelDescription& description)
     : LanguageModel(description) {
   const ModelConfig& c = description.config;
@@ -54,12 +60,13 @@ FrameTransformer::FrameTransformer(const ModelDescription& description)
                      features = channels * kFrameFeatures, narrow = c.decoder_embd;
   token_ = make_table("token_embedding", vocabulary, c.n_embd);
   position_ = make_table("position_embedding", c.block_size, c.n_embd);
-  frame_in_ = make_linear("frame_in", c.n_embd, features);
+  frame_in_ = make_linear("frame_in", c.n_embd, features, as_embedding(features));
   blocks_ = make_blocks("block.", c.n_layer, c.n_embd);
   ln_w_ = make("ln.weight", {c.n_embd}, 0, 1);
   ln_b_ = make("ln.bias", {c.n_embd}, 0);
-  channel_in_ = make_linear("channel_in", channels * narrow, c.n_embd + features);
-  own_in_ = make_linear("decoder.own_in", narrow, kFrameFeatures);
+  channel_in_ = make_linear("channel_in", channels * narrow, c.n_embd + features,
+                            as_embedding(c.n_embd + features));
+  own_in_ = make_linear("decoder.own_in", narrow, kFrameFeatures, as_embedding(kFrameFeatures));
   channel_ = make_table("decoder.channel_embedding", channels, narrow);
   before_ = make_table("decoder.before_embedding", channels + 1, narrow);
   chosen_ = make_table("decoder.chosen_embedding", vocabulary, narrow);

@@ -30,6 +30,7 @@ class FrameTransformer : public LanguageModel {
   void set_order(const std::vector<std::int64_t>& channels) { order_ = channels; }
 
  private:
+  static double as_embedding(std::int64_t inputs);
   // Columns of the batch from the position that predicts the first frame's first channel on, as
   // (B, frames, C + 1); filled up with `rest` behind the batch's end.
   at::Tensor grid(const at::Tensor& column, std::int64_t prefix, std::int64_t rest) const;
