@@ -25,7 +25,7 @@ void BlockStack::take(Weights& weights, const EngineOptions& options, Arena& are
     return packed(weights, name, out, in, options.precision, arena);
   };
   for (std::int64_t i = 0; i < shape_.layers; ++i) {
-    const std::string at = shape_.prefix + "block." + std::to_string(i) + ".";
+    const std::string at = shape_.prefix + shape_.name + std::to_string(i) + ".";
     Block b;
     b.ln1_w = weights.take(at + "ln1.weight", {width});
     b.ln1_b = weights.take(at + "ln1.bias", {width});
@@ -37,6 +37,7 @@ void BlockStack::take(Weights& weights, const EngineOptions& options, Arena& are
     b.down = linear(at + "down", width, 4 * width);
     blocks_.push_back(std::move(b));
   }
+  if (shape_.name != "block.") return;
   ln_w_ = weights.take(shape_.prefix + "ln.weight", {width});
   ln_b_ = weights.take(shape_.prefix + "ln.bias", {width});
 }
@@ -53,7 +54,7 @@ void BlockStack::make_room(const EngineOptions& options, Arena& arena) {
   wide_ = room(kMaxRows, 4 * width);
   const Scratch one = {LinearScratch(4 * width),
                        room(kOwnRows, width),
-                       room(1, blocks_.front().cache.scratch_size()),
+                       room(1, blocks_.empty() ? 0 : blocks_.front().cache.scratch_size()),
                        {},
                        {}};
   scratch_.assign(static_cast<std::size_t>(team_.size()), one);

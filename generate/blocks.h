@@ -16,7 +16,8 @@ namespace mocaplm {
 struct StackShape {
   std::string prefix;  // of the tensors' names: "" for block.0.ln1.weight ..., ln.weight
   std::int64_t layers, heads, width;
-  std::int64_t capacity;  // positions a sequence
+  std::int64_t capacity;        // positions a sequence
+  std::string name = "block.";  // of the blocks; only those called so have a norm behind the last
 };
 
 class BlockStack {

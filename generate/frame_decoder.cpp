@@ -19,6 +19,11 @@ std::int64_t feature_count(const ModelDescription& d) {
   return d.shape.channels * kFrameFeatures;
 }
 
+EngineOptions a_sequence_a_channel(EngineOptions options, const ModelDescription& d) {
+  options.sequences *= d.shape.channels;
+  return options;
+}
+
 }  // namespace
 
 FrameDecoder::TimeTables::TimeTables(Weights& weights, const ModelDescription& d)
@@ -28,6 +33,7 @@ FrameDecoder::TimeTables::TimeTables(Weights& weights, const ModelDescription& d
 FrameDecoder::ChannelTables::ChannelTables(Weights& weights, const ModelDescription& d) {
   const std::int64_t width = d.config.decoder_embd, rows = model_sizes(d).history_rows;
   channel = weights.take("decoder.channel_embedding", {d.shape.channels, width});
+  time = weights.take("decoder.time_embedding", {d.config.block_size, width});
   before = weights.take("decoder.before_embedding", {d.shape.channels + 1, width});
   chosen = weights.take("decoder.chosen_embedding", {d.shape.vocabulary, width});
   if (!d.config.history) return;
@@ -62,6 +68,10 @@ FrameDecoder::FrameDecoder(const StoredModel& model, const std::string& place,
       own_in_(packed(weights, "decoder.own_in", description_.config.decoder_embd, kFrameFeatures,
                      options.precision, arena_)),
       tables_(weights, description_),
+      memory_(weights,
+              {"decoder.", description_.config.memory_layer, description_.config.decoder_head,
+               description_.config.decoder_embd, description_.config.block_size, "memory."},
+              a_sequence_a_channel(options_, description_), team_, arena_),
       channels_(weights,
                 {"decoder.", description_.config.decoder_layer, description_.config.decoder_head,
                  description_.config.decoder_embd, description_.shape.channels},
@@ -75,8 +85,8 @@ FrameDecoder::FrameDecoder(const StoredModel& model, const std::string& place,
   scratch_.assign(static_cast<std::size_t>(team_.size()), LinearScratch(wide + features));
   features_ = room(kMaxRows, features);
   embedded_ = room(kMaxRows, wide);
-  states_ = room(options_.sequences, wide + features);
-  own_ = room(options_.sequences, channel_in_.out());
+  states_ = room(kMaxRows, wide + features);
+  own_ = room(kMaxRows, channel_in_.out());
   last_ = normed_ = room(options_.sequences, narrow);
   check(model, place);
 }
@@ -99,7 +109,7 @@ void FrameDecoder::check(const StoredModel& model, const std::string& place) {
 void FrameDecoder::begin(std::int64_t sequence, const std::vector<std::int32_t>& prefix,
                          const std::vector<std::int32_t>& before) {
   at(sequence) = FrameStreamState(description_, prefix, before);
-  time_.reset(sequence);
+  reset_past(sequence);
   channels_.reset(sequence);
 }
 
@@ -118,143 +128,15 @@ void FrameDecoder::push(std::int64_t sequence, std::int32_t id) {
   const std::int64_t most = time_.capacity() - static_cast<std::int64_t>(stream.prefix().size());
   if (stream.frames() <= most) return;
   stream.keep(most / 2);
-  time_.reset(sequence);
-  stream.prefix_fed = false;
-  stream.fed = 0;
+  reset_past(sequence);
 }
 
-void FrameDecoder::feed_prefix(std::int64_t sequence) {
-  FrameStreamState& stream = at(sequence);
-  const std::int64_t width = time_.width();
-  for (std::size_t i = 0; i < stream.prefix().size(); ++i) {
-    const std::int64_t position = time_.length(sequence);
-    float* x = time_.add(sequence);
-    std::fill(x, x + width, 0.f);
-    add_row(x, time_tables_.token, stream.prefix()[i], width);
-    add_row(x, time_tables_.position, position, width);
-    if (time_.full() || i + 1 == stream.prefix().size()) time_.run();
-  }
-  stream.prefix_fed = true;
-  keep_state(stream, time_.rows() - 1);
-}
-
-void FrameDecoder::keep_state(FrameStreamState& stream, std::int64_t row) const {
-  stream.state.resize(static_cast<std::size_t>(time_.width()));
-  time_.final_norm(time_.row(row), 1, stream.state.data());
-}
-
-// As many frames of these sequences as are computed together; false when none is left.
-bool FrameDecoder::feed_frames(const Sequences& sequences) {
-  std::vector<std::int64_t> owner;  // sequence of each row
-  const std::int64_t width = time_.width(), features = feature_count(description_);
-  for (const std::int64_t s : sequences)
-    for (FrameStreamState& stream = at(s);
-         stream.fed < stream.frames() && static_cast<std::int64_t>(owner.size()) < kMaxRows;
-         owner.push_back(s))
-      stream.features(stream.fed++,
-                      features_.data() + static_cast<std::int64_t>(owner.size()) * features);
-  if (owner.empty()) return false;
-  team_.run([&](int thread) {
-    frame_in_.apply(features_.data(), embedded_.data(), static_cast<std::int64_t>(owner.size()),
-                    Store::plain, scratch_[static_cast<std::size_t>(thread)], thread, team_.size());
-  });
-  for (std::size_t r = 0; r < owner.size(); ++r) {
-    const std::int64_t position = time_.length(owner[r]);
-    float* x = time_.add(owner[r]);
-    std::copy_n(embedded_.data() + static_cast<std::int64_t>(r) * width, width, x);
-    add_row(x, time_tables_.position, position, width);
-  }
-  time_.run();
-  for (std::size_t r = 0; r < owner.size(); ++r)
-    if (r + 1 == owner.size() || owner[r + 1] != owner[r])
-      keep_state(at(owner[r]), static_cast<std::int64_t>(r));
-  return true;
-}
-
-void FrameDecoder::catch_up(const Sequences& sequences) {
-  Sequences late;
-  for (const std::int64_t s : sequences) {
-    if (at(s).ready) continue;
-    if (!at(s).prefix_fed) feed_prefix(s);
-    late.push_back(s);
-  }
-  while (feed_frames(late)) {
-  }
-  if (!late.empty()) prepare_channels(late);
-}
-
-void FrameDecoder::prepare_channels(const Sequences& sequences) {
-  const std::int64_t width = time_.width(), features = feature_count(description_);
-  for (std::size_t i = 0; i < sequences.size(); ++i) {
-    const FrameStreamState& stream = at(sequences[i]);
-    float* row = states_.data() + static_cast<std::int64_t>(i) * (width + features);
-    std::copy(stream.state.begin(), stream.state.end(), row);
-    if (stream.frames() > 0)
-      stream.features(stream.frames() - 1, row + width);
-    else
-      std::fill_n(row + width, features, 0.f);
-  }
-  // What the time model tells each channel, and the channel's own numbers, read alike for all.
-  team_.run([&](int thread) {
-    LinearScratch& scratch = scratch_[static_cast<std::size_t>(thread)];
-    channel_in_.apply(states_.data(), own_.data(), static_cast<std::int64_t>(sequences.size()),
-                      Store::plain, scratch, thread, team_.size());
-    team_.barrier();
-    for (std::size_t i = static_cast<std::size_t>(thread); i < sequences.size();
-         i += static_cast<std::size_t>(team_.size()))
-      add_own(states_.data() + static_cast<std::int64_t>(i) * (width + features) + width,
-              own_.data() + static_cast<std::int64_t>(i) * channel_in_.out(), scratch);
-  });
-  for (std::size_t i = 0; i < sequences.size(); ++i) {
-    FrameStreamState& stream = at(sequences[i]);
-    const float* row = own_.data() + static_cast<std::int64_t>(i) * channel_in_.out();
-    stream.own.assign(row, row + channel_in_.out());
-    stream.ready = true;
-  }
-}
-
-// features (C, kFrameFeatures), own (C, decoder_embd).
-void FrameDecoder::add_own(const float* features, float* own, LinearScratch& scratch) const {
+void FrameDecoder::reset_past(std::int64_t sequence) {
   const std::int64_t channels = description_.shape.channels;
-  for (std::int64_t c = 0; c < channels; c += kMaxRows)
-    own_in_.apply(features + c * kFrameFeatures, own + c * own_in_.out(),
-                  std::min(kMaxRows, channels - c), Store::sum, scratch);
-}
-
-void FrameDecoder::put_channel(FrameStreamState& stream, std::size_t place, float* x) const {
-  const std::int64_t width = channels_.width();
-  const int channel = stream.order()[place];
-  std::copy_n(stream.own.data() + channel * width, width, x);
-  add_row(x, tables_.channel, channel, width);
-  add_row(x, tables_.before, stream.before_row(place), width);
-  add_row(x, tables_.chosen, stream.before_id(place), width);
-  if (tables_.surprise.empty()) return;
-  add_row(x, tables_.surprise, stream.before_surprise_row(place), width);
-  add_row(x, tables_.velocity, stream.velocity_row(place), width);
-  add_row(x, tables_.last_surprise, stream.last_surprise_row(place), width);
-}
-
-void FrameDecoder::run_channels(const Sequences& sequences) {
-  const std::int64_t width = channels_.width();
-  std::vector<std::pair<std::size_t, std::int64_t>> lasts;  // index of the sequence, its last row
-  const auto run = [&] {
-    channels_.run();
-    for (const auto& [index, row] : lasts)
-      std::copy_n(channels_.row(row), width,
-                  last_.data() + static_cast<std::int64_t>(index) * width);
-    lasts.clear();
-  };
-  std::int64_t rows = 0;
-  for (std::size_t i = 0; i < sequences.size(); ++i) {
-    FrameStreamState& stream = at(sequences[i]);
-    for (auto place = static_cast<std::size_t>(channels_.length(sequences[i]));
-         place <= stream.chosen(); ++place) {
-      put_channel(stream, place, channels_.add(sequences[i]));
-      if (place == stream.chosen()) lasts.emplace_back(i, rows);
-      if (++rows == kMaxRows) run(), rows = 0;
-    }
-  }
-  if (rows > 0) run();
+  time_.reset(sequence);
+  for (std::int64_t c = 0; c < channels; ++c) memory_.reset(sequence * channels + c);
+  at(sequence).prefix_fed = false;
+  at(sequence).fed = 0;
 }
 
 const std::vector<std::vector<float>>& FrameDecoder::logits(const Sequences& sequences) {

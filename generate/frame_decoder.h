@@ -33,7 +33,7 @@ class FrameDecoder : public Decoder {
   };
   struct ChannelTables {
     ChannelTables(Weights& weights, const ModelDescription& description);
-    std::vector<float> channel, before, chosen, surprise, velocity, last_surprise;
+    std::vector<float> channel, time, before, chosen, surprise, velocity, last_surprise;
   };
 
   FrameDecoder(const StoredModel& model, const std::string& place, const EngineOptions& options,
@@ -49,12 +49,19 @@ class FrameDecoder : public Decoder {
   void catch_up(const Sequences& sequences);
   void feed_prefix(std::int64_t sequence);
   bool feed_frames(const Sequences& sequences);
-  void keep_state(FrameStreamState& stream, std::int64_t row) const;
-  void prepare_channels(const Sequences& sequences);
+  // The state before a frame of the window, in a row of the time model's last run.
+  struct Reached {
+    std::int64_t sequence, frame, row;
+  };
+  void remember(std::vector<Reached> reached);
+  void tell_channels(const std::vector<Reached>& reached);
   void add_own(const float* features, float* own, LinearScratch& scratch) const;
+  void remember_sequence(const std::vector<Reached>& reached, std::size_t begin, std::size_t end);
+  void put_past(const FrameStreamState& stream, int channel, std::int64_t frame, float* x) const;
+  void reset_past(std::int64_t sequence);
   // The channel decoder over what was pushed of the frame, and the place of the next channel.
   void run_channels(const Sequences& sequences);
-  void put_channel(FrameStreamState& stream, std::size_t place, float* x) const;
+  void put_channel(const FrameStreamState& stream, std::size_t place, float* x) const;
 
   ModelDescription description_;
   EngineOptions options_;
@@ -65,6 +72,7 @@ class FrameDecoder : public Decoder {
   BlockStack time_;
   PackedLinear channel_in_, own_in_;
   ChannelTables tables_;
+  BlockStack memory_;  // a sequence a channel
   BlockStack channels_;
   OutputLayer output_;
   std::vector<FrameStreamState> streams_;

@@ -89,13 +89,15 @@ std::int32_t FrameStreamState::centre(std::size_t place) const {
   return expected(order_[place], 0);
 }
 
-std::int32_t FrameStreamState::velocity_row(std::size_t place) const {
-  const std::int32_t one = bin(order_[place], 1), two = bin(order_[place], 2);
+std::int32_t FrameStreamState::velocity_row(int channel, std::int64_t t) const {
+  const std::int64_t back = frames() - t;
+  const std::int32_t one = bin(channel, back + 1), two = bin(channel, back + 2);
   return one == kNoCentre || two == kNoCentre ? 0 : row(one - two);
 }
 
-std::int32_t FrameStreamState::last_surprise_row(std::size_t place) const {
-  const std::int32_t now = bin(order_[place], 1), before = expected(order_[place], 1);
+std::int32_t FrameStreamState::last_surprise_row(int channel, std::int64_t t) const {
+  const std::int64_t back = frames() - t;
+  const std::int32_t now = bin(channel, back + 1), before = expected(channel, back + 1);
   return now == kNoCentre || before == kNoCentre ? 0 : row(now - before);
 }
 

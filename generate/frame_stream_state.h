@@ -31,10 +31,11 @@ class FrameStreamState {
   // kFrameFeatures).
   void features(std::int64_t t, float* out) const;
 
-  // Of the channel at a place of the order, in the unfinished frame: as ModelInput has them.
+  // Of a channel, before frame t of the window: as ModelInput has them.
+  std::int32_t velocity_row(int channel, std::int64_t t) const;
+  std::int32_t last_surprise_row(int channel, std::int64_t t) const;
+  // Of the channel at a place of the order, in the unfinished frame.
   std::int32_t centre(std::size_t place) const;
-  std::int32_t velocity_row(std::size_t place) const;
-  std::int32_t last_surprise_row(std::size_t place) const;
   // Of the channel chosen just before it: row of the "before" embedding (0: none), id (the
   // separator's or the prefix's last where there is none), surprise.
   std::int32_t before_row(std::size_t place) const;
@@ -45,7 +46,7 @@ class FrameStreamState {
   // (C, decoder_embd) once the state before this frame is known.
   bool prefix_fed = false, ready = false;
   std::int64_t fed = 0;  // frames of the window
-  std::vector<float> state, own;
+  std::vector<float> own;
 
  private:
   // Bin of a channel `back` frames before the unfinished one; kNoCentre where there is none.

@@ -134,7 +134,9 @@ double frames_parameters(const ModelDescription& d, double width, double outputs
   if (c.history) rows += 3 * static_cast<double>(model_sizes(d).history_rows);
   return (vocabulary + static_cast<double>(c.block_size) + features + 1) * width +
          block_parameters(width, c.n_layer) + (width + features + 1) * channels * narrow +
-         rows * narrow + block_parameters(narrow, c.decoder_layer) + outputs * (narrow + 1);
+         (rows + static_cast<double>(c.block_size)) * narrow - 2 * narrow +
+         block_parameters(narrow, c.memory_layer) + block_parameters(narrow, c.decoder_layer) +
+         outputs * (narrow + 1);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ struct ModelConfig {
   std::string output = "extrapolation";
   std::int64_t reach = 60;
   bool history = true;
+  std::int64_t memory_layer = 1;
   std::int64_t decoder_layer = 2;
   std::int64_t decoder_head = 4;
   std::int64_t decoder_embd = 128;
@@ -45,6 +46,8 @@ struct ModelConfig {
     v.integer("reach", reach, 1, 4096,
               "bins on each side of the extrapolation with a logit of their own");
     v.boolean("history", history, "embed each channel's own recent movement beside the tokens");
+    v.integer("memory_layer", memory_layer, 0, 32,
+              "frames: blocks that read each channel's own past, alike for all channels");
     v.integer("decoder_layer", decoder_layer, 1, 32, "frames: blocks of the channel decoder");
     v.integer("decoder_head", decoder_head, 1, 64,
               "frames: attention heads of the channel decoder; divides decoder_embd");

@@ -51,6 +51,7 @@ class PackedLinear {
   void list(std::int64_t part, std::int64_t parts, std::vector<Piece>& pieces) const;
   void list(std::initializer_list<Columns> columns, std::vector<Piece>& pieces) const;
 
+  std::int64_t in() const { return in_; }
   std::int64_t out() const { return out_; }
   std::int64_t bytes() const;  // that one pass over the weights reads
 

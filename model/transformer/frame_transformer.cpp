@@ -76,6 +76,8 @@ FrameTransformer::FrameTransformer(const ModelDescription& description)
     velocity_ = make_table("decoder.velocity", rows, narrow);
     last_surprise_ = make_table("decoder.last_surprise", rows, narrow);
   }
+  time_ = make_table("decoder.time_embedding", c.block_size, narrow);
+  memory_ = make_blocks("decoder.memory.", c.memory_layer, narrow);
   decoder_ = make_blocks("decoder.block.", c.decoder_layer, narrow);
   decoder_ln_w_ = make("decoder.ln.weight", {narrow}, 0, 1);
   decoder_ln_b_ = make("decoder.ln.bias", {narrow}, 0);
@@ -138,39 +140,54 @@ at::Tensor FrameTransformer::draw_order() const {
   return at::argsort(rank);
 }
 
-at::Tensor FrameTransformer::decode(const at::Tensor& hidden, const Batch& batch,
-                                    const at::Tensor& order) const {
+at::Tensor FrameTransformer::column(const Batch& batch, const at::Tensor& all,
+                                    const at::Tensor& at) const {
+  return grid(all, batch.prefix, 0).flatten(0, 1).index_select(1, at).flatten();
+}
+
+// What is known of each channel before a frame, (B, frames, C, width).
+at::Tensor FrameTransformer::channel_past(const at::Tensor& hidden, const Batch& batch) const {
   const std::int64_t channels = description_.shape.channels,
-                     narrow = description_.config.decoder_embd;
-  const std::int64_t frames = frames_decoded(batch);
+                     narrow = description_.config.decoder_embd, size = batch.token.size(0),
+                     frames = frames_decoded(batch);
   // The state before each frame, and the features of the frame before it.
   const at::Tensor state = hidden.slice(1, batch.prefix - 1, batch.prefix - 1 + frames);
   const at::Tensor features = at::constant_pad_nd(whole_frames(batch), {0, 0, 1, 0});
   // What the time model tells each channel, and the channel's own numbers, read alike for all.
   const at::Tensor own =
-      (output_linear(channel_in_, at::cat({state, features}, 2).flatten(0, 1), precision_)
-           .view({-1, narrow}) +
-       output_linear(own_in_, features.view({-1, kFrameFeatures}), precision_))
-          .view({-1, channels, narrow});
+      output_linear(channel_in_, at::cat({state, features}, 2).flatten(0, 1), precision_)
+          .view({-1, narrow}) +
+      output_linear(own_in_, features.view({-1, kFrameFeatures}), precision_);
+  const at::Tensor order = at::arange(channels, hidden.options().dtype(at::kLong));
+  std::vector<Lookup> lookups = {
+      {channel_, order.repeat({size * frames})},
+      {time_, at::arange(frames, order.options()).repeat_interleave(channels).repeat({size})}};
+  if (velocity_.defined()) {
+    lookups.push_back({velocity_, column(batch, batch.velocity, order)});
+    lookups.push_back({last_surprise_, column(batch, batch.last_surprise, order)});
+  }
+  const at::Tensor x = drop(embedding_sum(own, lookups)).view({size, frames, channels, narrow});
+  if (memory_.empty()) return x;
+  const at::Tensor past = run_blocks(memory_, x.transpose(1, 2).reshape({-1, frames, narrow}),
+                                     description_.config.decoder_head, 0);
+  return past.view({size, channels, frames, narrow}).transpose(1, 2);
+}
+
+at::Tensor FrameTransformer::decode(const at::Tensor& hidden, const Batch& batch,
+                                    const at::Tensor& order) const {
+  const std::int64_t channels = description_.shape.channels,
+                     narrow = description_.config.decoder_embd;
+  const at::Tensor past = channel_past(hidden, batch).reshape({-1, channels, narrow});
   // A column of the grid lies before its channel and behind the one before it in the stream.
   const at::Tensor behind = at::cat({at::zeros({1}, order.options()), order.slice(0, 0, -1) + 1});
-  const auto column = [&](const at::Tensor& all, const at::Tensor& at) {
-    return grid(all, batch.prefix, 0).flatten(0, 1).index_select(1, at).flatten();
-  };
-  const auto every_frame = [&](const at::Tensor& at) { return at.repeat({own.size(0)}); };
-  std::vector<Lookup> lookups = {{channel_, every_frame(order)},
-                                 {before_, every_frame(behind)},
-                                 {chosen_, column(batch.token, behind)}};
-  if (surprise_.defined()) {
-    lookups.push_back({surprise_, column(batch.surprise, behind)});
-    lookups.push_back({velocity_, column(batch.velocity, order)});
-    lookups.push_back({last_surprise_, column(batch.last_surprise, order)});
-  }
+  std::vector<Lookup> lookups = {{before_, behind.repeat({past.size(0)})},
+                                 {chosen_, column(batch, batch.token, behind)}};
+  if (surprise_.defined()) lookups.push_back({surprise_, column(batch, batch.surprise, behind)});
   // Most often the order is the stream's: then nothing needs to be moved.
   const bool moved = !order.equal(at::arange(channels, order.options()));
-  const at::Tensor base = moved ? own.index_select(1, order) : own;
+  const at::Tensor base = moved ? past.index_select(1, order) : past;
   at::Tensor x = embedding_sum(base.flatten(0, 1), lookups).view(base.sizes());
-  x = run_blocks(decoder_, drop(x), description_.config.decoder_head, 0);
+  x = run_blocks(decoder_, x, description_.config.decoder_head, 0);
   return at::layer_norm(x, {narrow}, decoder_ln_w_, decoder_ln_b_).flatten(0, 1);
 }
 

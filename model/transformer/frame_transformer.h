@@ -2,10 +2,12 @@
 // causal transformer over the channels of one frame, the channel decoder.
 //
 // The time model reads numbers that describe each whole frame (frame_features). Its state before a
-// frame, and the features of the frame before, give each channel of that frame an input of its own
-// to the channel decoder, where the channel's own recent movement and the channel chosen just
-// before are added. So a window of 1,024 positions is 1,024 frames where the flat model has 23, and
-// a frame costs one step of the large model and as many of the small one as there are channels.
+// frame, the features of the frame before, and the channel's own recent movement give each channel
+// an input of its own. The memory, blocks over the frames that are the same for all channels,
+// relates it to that channel's past; the channel decoder goes through the channels of the frame, each
+// of which sees what was chosen before it. So a window of 1,024 positions is 1,024 frames where the
+// flat model has 23, and a frame costs one step of the large model and as many of the small one as
+// there are channels.
 #pragma once
 
 #include "model/transformer/language_model.h"
@@ -38,6 +40,8 @@ class FrameTransformer : public LanguageModel {
   // Final normalised states of the channel decoder, (B * frames * C, width), the channels of a
   // frame in this order.
   at::Tensor decode(const at::Tensor& hidden, const Batch& batch, const at::Tensor& order) const;
+  at::Tensor channel_past(const at::Tensor& hidden, const Batch& batch) const;
+  at::Tensor column(const Batch& batch, const at::Tensor& all, const at::Tensor& at) const;
   at::Tensor draw_order() const;
   at::Tensor fixed_order(const at::Device& device) const;
   std::int64_t frames_decoded(const Batch& batch) const;
@@ -45,9 +49,9 @@ class FrameTransformer : public LanguageModel {
   at::Tensor token_, position_;
   std::vector<std::int64_t> order_;
   LinearWeights frame_in_, channel_in_, own_in_;
-  std::vector<BlockWeights> blocks_, decoder_;
+  std::vector<BlockWeights> blocks_, memory_, decoder_;
   at::Tensor ln_w_, ln_b_;
-  at::Tensor channel_, before_, chosen_, surprise_, velocity_, last_surprise_;
+  at::Tensor channel_, time_, before_, chosen_, surprise_, velocity_, last_surprise_;
   at::Tensor decoder_ln_w_, decoder_ln_b_;
 };
 

@@ -91,9 +91,11 @@ class EveryFrameDecoder : public EveryKernel {};
 INSTANTIATE_TEST_SUITE_P(Levels, EveryFrameDecoder, all_levels(), level_name);
 
 TEST_P(EveryFrameDecoder, GivesTheTrainableModelsLogits) {
+  ModelDescription forgetful = small_frames_description();
+  forgetful.config.memory_layer = 0;
   for (const ModelDescription& variant :
        {small_frames_description(), small_frames_description("absolute"),
-        small_frames_description("extrapolation", false)}) {
+        small_frames_description("extrapolation", false), forgetful}) {
     const ModelDescription d = wider(variant);
     SCOPED_TRACE(variant_name(d));
     const StoredModel stored = stored_model(d, 1);

@@ -127,6 +127,8 @@ inline void add_frames_weights(RandomWeights& w, const ModelDescription& d) {
   if (c.history)
     for (const char* name : {"surprise", "velocity", "last_surprise"})
       w.add(std::string("decoder.") + name, {2 * c.reach + 2, c.decoder_embd});
+  w.add("decoder.time_embedding", {c.block_size, c.decoder_embd});
+  w.blocks("decoder.memory.", c.memory_layer, c.decoder_embd);
   w.blocks("decoder.block.", c.decoder_layer, c.decoder_embd);
   w.norm("decoder.ln", c.decoder_embd);
 }

@@ -24,8 +24,10 @@ std::shared_ptr<LanguageModel> random_model(const ModelDescription& d, std::uint
 }
 
 std::vector<ModelDescription> variants() {
+  ModelDescription forgetful = small_frames_description();
+  forgetful.config.memory_layer = 0;
   return {small_frames_description(), small_frames_description("absolute"),
-          small_frames_description("extrapolation", false)};
+          small_frames_description("extrapolation", false), forgetful};
 }
 
 // A stream of which the first frames lie before the window, as they do within a clip.
@@ -86,28 +88,18 @@ class Reference {
     for (std::size_t t = 0; t < frame; ++t)
       x.push_back(linear("frame_in", features(in, t)) +
                   row("position_embedding", static_cast<std::int64_t>(t) + 1));
-    const at::Tensor state =
-        norm("ln", blocks("block.", d_.config.n_layer, d_.config.n_head, at::stack(x)))[-1];
-    const at::Tensor before = frame > 0
-                                  ? features(in, frame - 1)
-                                  : at::zeros({d_.shape.channels * kFrameFeatures}, at::kDouble);
-    const at::Tensor own =
-        linear("channel_in", at::cat({state, before}))
-            .view({d_.shape.channels, d_.config.decoder_embd}) +
-        linear("decoder.own_in", before.view({d_.shape.channels, kFrameFeatures}));
+    const at::Tensor states =
+        norm("ln", blocks("block.", d_.config.n_layer, d_.config.n_head, at::stack(x)));
+    const at::Tensor known = past(in, frame, states);
     std::vector<at::Tensor> y;
     std::size_t chosen = frame * per_frame;  // the position of what was chosen last
     std::size_t behind = 0;
     for (const std::size_t c : order) {
       const std::size_t p = frame * per_frame + c;  // the position before this channel
-      const auto i = static_cast<std::int64_t>(c);
-      at::Tensor one = own[i] + row("decoder.channel_embedding", i) +
+      at::Tensor one = known[static_cast<std::int64_t>(c)] +
                        row("decoder.before_embedding", static_cast<std::int64_t>(behind)) +
                        row("decoder.chosen_embedding", in.token[chosen]);
-      if (d_.config.history)
-        one = one + row("decoder.surprise", in.surprise[chosen]) +
-              row("decoder.velocity", in.velocity[p]) +
-              row("decoder.last_surprise", in.last_surprise[p]);
+      if (d_.config.history) one = one + row("decoder.surprise", in.surprise[chosen]);
       y.push_back(one);
       if (c == channel) break;
       chosen = p + 1;
@@ -133,6 +125,35 @@ class Reference {
   }
 
  private:
+  // What is known of each channel before the last of these frames, (C, width): one channel after
+  // the other through the memory.
+  at::Tensor past(const ModelInput& in, std::size_t frame, const at::Tensor& states) const {
+    const auto per_frame = static_cast<std::size_t>(d_.shape.tokens_per_frame());
+    std::vector<at::Tensor> known;
+    for (std::int64_t c = 0; c < d_.shape.channels; ++c) {
+      std::vector<at::Tensor> x;
+      for (std::size_t t = 0; t <= frame; ++t) {
+        const at::Tensor before =
+            t > 0 ? features(in, t - 1)
+                  : at::zeros({d_.shape.channels * kFrameFeatures}, at::kDouble);
+        const auto f = static_cast<std::int64_t>(t);
+        at::Tensor one =
+            linear("channel_in", at::cat({states[f], before}))
+                .view({d_.shape.channels, d_.config.decoder_embd})[c] +
+            linear("decoder.own_in", before.view({d_.shape.channels, kFrameFeatures})[c]) +
+            row("decoder.channel_embedding", c) + row("decoder.time_embedding", f);
+        const std::size_t p = t * per_frame + static_cast<std::size_t>(c);
+        // Behind the window's end nothing asks for it.
+        if (d_.config.history && p < in.size())
+          one = one + row("decoder.velocity", in.velocity[p]) +
+                row("decoder.last_surprise", in.last_surprise[p]);
+        x.push_back(one);
+      }
+      known.push_back(blocks("decoder.memory.", d_.config.memory_layer, d_.config.decoder_head,
+                             at::stack(x))[-1]);
+    }
+    return at::stack(known);
+  }
   at::Tensor features(const ModelInput& in, std::size_t frame) const {
     const auto per_frame = static_cast<std::size_t>(d_.shape.tokens_per_frame());
     const auto bin = [&](std::size_t t, std::int64_t c) {
