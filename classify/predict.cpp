@@ -26,7 +26,7 @@ StoredClassifier load_classifier(const PredictOptions& options, const at::Device
   StoredClassifier out;
   for (const auto& [label, values] : stored.description.classes)
     out.tasks.push_back({label, values});
-  if (out.tasks.empty())
+  if (out.tasks.empty() || stored.description.class_frames == 0)
     throw UsageError(place + " is no classifier: train one with `mocaplm classify --model " +
                      place + " --data DATASET --out FOLDER`");
   out.tokenizer =

@@ -59,6 +59,8 @@ FrameDecoder::FrameDecoder(const StoredModel& model, const std::string& place,
       channel_in_(packed(
           weights, "channel_in", description_.shape.channels * description_.config.decoder_embd,
           description_.config.n_embd + feature_count(description_), options.precision, arena_)),
+      own_in_(packed(weights, "decoder.own_in", description_.config.decoder_embd, kFrameFeatures,
+                     options.precision, arena_)),
       tables_(weights, description_),
       channels_(weights,
                 {"decoder.", description_.config.decoder_layer, description_.config.decoder_head,
@@ -192,10 +194,16 @@ void FrameDecoder::prepare_channels(const Sequences& sequences) {
     else
       std::fill_n(row + width, features, 0.f);
   }
+  // What the time model tells each channel, and the channel's own numbers, read alike for all.
   team_.run([&](int thread) {
+    LinearScratch& scratch = scratch_[static_cast<std::size_t>(thread)];
     channel_in_.apply(states_.data(), own_.data(), static_cast<std::int64_t>(sequences.size()),
-                      Store::plain, scratch_[static_cast<std::size_t>(thread)], thread,
-                      team_.size());
+                      Store::plain, scratch, thread, team_.size());
+    team_.barrier();
+    for (std::size_t i = static_cast<std::size_t>(thread); i < sequences.size();
+         i += static_cast<std::size_t>(team_.size()))
+      add_own(states_.data() + static_cast<std::int64_t>(i) * (width + features) + width,
+              own_.data() + static_cast<std::int64_t>(i) * channel_in_.out(), scratch);
   });
   for (std::size_t i = 0; i < sequences.size(); ++i) {
     FrameStreamState& stream = at(sequences[i]);
@@ -203,6 +211,14 @@ void FrameDecoder::prepare_channels(const Sequences& sequences) {
     stream.own.assign(row, row + channel_in_.out());
     stream.ready = true;
   }
+}
+
+// features (C, kFrameFeatures), own (C, decoder_embd).
+void FrameDecoder::add_own(const float* features, float* own, LinearScratch& scratch) const {
+  const std::int64_t channels = description_.shape.channels;
+  for (std::int64_t c = 0; c < channels; c += kMaxRows)
+    own_in_.apply(features + c * kFrameFeatures, own + c * own_in_.out(),
+                  std::min(kMaxRows, channels - c), Store::sum, scratch);
 }
 
 void FrameDecoder::put_channel(FrameStreamState& stream, std::size_t place, float* x) const {

@@ -51,6 +51,7 @@ class FrameDecoder : public Decoder {
   bool feed_frames(const Sequences& sequences);
   void keep_state(FrameStreamState& stream, std::int64_t row) const;
   void prepare_channels(const Sequences& sequences);
+  void add_own(const float* features, float* own, LinearScratch& scratch) const;
   // The channel decoder over what was pushed of the frame, and the place of the next channel.
   void run_channels(const Sequences& sequences);
   void put_channel(FrameStreamState& stream, std::size_t place, float* x) const;
@@ -62,7 +63,7 @@ class FrameDecoder : public Decoder {
   TimeTables time_tables_;
   PackedLinear frame_in_;
   BlockStack time_;
-  PackedLinear channel_in_;
+  PackedLinear channel_in_, own_in_;
   ChannelTables tables_;
   BlockStack channels_;
   OutputLayer output_;

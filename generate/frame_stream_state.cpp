@@ -57,8 +57,15 @@ void FrameStreamState::features(std::int64_t t, float* out) const {
       out[1 + 2 * i] = std::sin(angle);
       out[2 + 2 * i] = std::cos(angle);
     }
+    const auto turn = [&](std::int64_t frame) {
+      return frame < 2 ? 0 : value(frame, c) - 2 * value(frame - 1, c) + value(frame - 2, c);
+    };
+    out[7] = t < 1 ? 0 : std::asinh(value(t, c) - value(t - 1, c)) * 0.5f;
+    out[8] = std::asinh(turn(t)) * 0.5f;
+    out[9] = std::asinh(turn(t - 1)) * 0.5f;
+    constexpr auto kMost = static_cast<float>(kMostChange);
     for (std::int64_t lag = 0; lag < kFrameLags; ++lag)
-      out[7 + lag] = t < lag + 1 ? 0 : std::asinh(value(t - lag, c) - value(t - lag - 1, c)) * 0.5f;
+      out[10 + lag] = std::clamp(turn(t - lag), -kMost, kMost) * 0.25f;
   }
 }
 

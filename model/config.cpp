@@ -1,5 +1,7 @@
 #include "model/config.h"
 
+#include <algorithm>
+
 #include "common/error.h"
 #include "model/input.h"
 
@@ -29,6 +31,9 @@ void check_model(const ModelDescription& d) {
   const auto extra = static_cast<std::int64_t>(d.classes.size());
   const std::int64_t need =
       d.prefix() + extra + 2 * (d.frame_positions() ? 1 : d.shape.tokens_per_frame());
+  if (d.class_frames < 0 || d.class_frames > std::max<std::int64_t>(frames_in_window(d, extra), 0))
+    throw UsageError("class_frames " + std::to_string(d.class_frames) +
+                     ": the context has room for " + std::to_string(frames_in_window(d, extra)));
   if (c.block_size < need)
     throw UsageError("block_size " + std::to_string(c.block_size) +
                      " is too small: two frames and the condition tokens need " +
@@ -46,19 +51,11 @@ Json to_json(const ModelDescription& d) {
   json["classes"] = Json::array();
   for (const auto& [label, values] : d.classes)
     json["classes"].push_back({{"label", label}, {"values", values}});
-  if (!d.classes.empty()) json["class_frames"] = d.class_frames;
+  json["class_frames"] = d.class_frames;
   json["procedural"] = d.procedural;
   json["training"] = d.training;
   return json;
 }
-
-namespace {
-
-std::int64_t classes_of(const ModelDescription& d) {
-  return static_cast<std::int64_t>(d.classes.size());
-}
-
-}  // namespace
 
 ModelDescription model_from_json(const Json& json, const std::string& place) {
   ModelDescription d;
@@ -83,8 +80,7 @@ ModelDescription model_from_json(const Json& json, const std::string& place) {
     d.classes.emplace_back(label, one.texts("values"));
     one.finish();
   }
-  if (!d.classes.empty())
-    d.class_frames = top.integer("class_frames", 1, frames_in_window(d, classes_of(d)));
+  d.class_frames = top.integer("class_frames", 0);
   d.procedural = top.boolean("procedural");
   d.training = top.raw("training");
   top.finish();
@@ -137,7 +133,8 @@ double frames_parameters(const ModelDescription& d, double width, double outputs
              channels = static_cast<double>(d.shape.channels),
              narrow = static_cast<double>(c.decoder_embd);
   const double features = channels * kFrameFeatures;
-  double rows = vocabulary + 2 * channels + 1;  // of the channel decoder's tables
+  // Of the channel decoder's tables, and of own_in with its bias.
+  double rows = vocabulary + 2 * channels + 1 + kFrameFeatures + 1;
   if (c.history) rows += 3 * static_cast<double>(model_sizes(d).history_rows);
   return (vocabulary + static_cast<double>(c.block_size) + features + 1) * width +
          block_parameters(width, c.n_layer) + (width + features + 1) * channels * narrow +

@@ -77,7 +77,7 @@ struct ModelDescription {
   std::vector<std::string> conditions;  // labels whose tokens head each window, in this order
   std::vector<std::pair<std::string, std::vector<std::string>>>
       classes;                     // classified labels, values
-  std::int64_t class_frames = 0;   // of a window that is classified
+  std::int64_t class_frames = 0;   // of a window that is classified; 0: not yet known
   bool procedural = false;         // trained on procedural dances only
   Json training = Json::object();  // the resolved settings of the run that made it, for the record
 

@@ -11,9 +11,15 @@ namespace mocaplm {
 
 constexpr std::int32_t kNoCentre = -1000000;
 
-// "frames": numbers that describe one channel of a frame to the time model (frame_features).
-constexpr std::int64_t kFrameLags = 9;
-constexpr std::int64_t kFrameFeatures = 7 + kFrameLags;
+// "frames": numbers that describe one channel of a frame (frame_features). With the bins b[t], the
+// steps v[t] = b[t] - b[t-1] and their changes s[t] = v[t] - v[t-1] (0 where a frame is missing):
+// the place u = (2 b + 1) / bins - 1 in the range; sin and cos of pi u, 2 pi u and 4 pi u;
+// asinh(v[t]) / 2, asinh(s[t]) / 2, asinh(s[t-1]) / 2; and s[t] .. s[t-5], cut to +-8, / 4. The
+// changes are what rounding to bins leaves of a smooth motion: a sum of the past ones tells where
+// within its bin the channel is.
+constexpr std::int64_t kFrameLags = 6;
+constexpr std::int64_t kFrameFeatures = 10 + kFrameLags;
+constexpr int kMostChange = 8;
 
 // One input of the model: T positions. Every vector has T entries.
 struct ModelInput {

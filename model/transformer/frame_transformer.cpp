@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "model/transformer/embedding_sum.h"
+
 namespace mocaplm {
 
 namespace {
@@ -9,10 +11,18 @@ namespace {
 // A logit that leaves nothing of a probability.
 constexpr double kNever = -1e4;
 
+// Of each frame, what `x` (B, F, C) was `frames` frames before; 0 where that is before the window.
 at::Tensor shifted(const at::Tensor& x, std::int64_t frames) {
   if (frames == 0) return x;
   const std::int64_t kept = std::max<std::int64_t>(x.size(1) - frames, 0);
   return at::constant_pad_nd(x.slice(1, 0, kept), {0, 0, x.size(1) - kept, 0});
+}
+
+// x[t] - x[t-1] from the frame `first` on, 0 before.
+at::Tensor change(const at::Tensor& x, std::int64_t first) {
+  at::Tensor out = at::zeros_like(x);
+  if (x.size(1) > first) out.slice(1, first).copy_(x.slice(1, first) - x.slice(1, first - 1, -1));
+  return out;
 }
 
 }  // namespace
@@ -26,9 +36,13 @@ at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins) {
     parts.push_back(at::sin(u * (times * M_PI)));
     parts.push_back(at::cos(u * (times * M_PI)));
   }
-  at::Tensor step = at::zeros_like(x);
-  if (x.size(1) > 1) step.slice(1, 1).copy_(at::asinh(x.slice(1, 1) - x.slice(1, 0, -1)) * 0.5);
-  for (std::int64_t lag = 0; lag < kFrameLags; ++lag) parts.push_back(shifted(step, lag));
+  const at::Tensor step = change(x, 1), turn = change(step, 2);
+  parts.push_back(at::asinh(step) * 0.5);
+  const at::Tensor wide = at::asinh(turn) * 0.5;
+  parts.push_back(wide);
+  parts.push_back(shifted(wide, 1));
+  const at::Tensor fine = turn.clamp(-kMostChange, kMostChange) * 0.25;
+  for (std::int64_t lag = 0; lag < kFrameLags; ++lag) parts.push_back(shifted(fine, lag));
   return at::stack(parts, 3).flatten(2);
 }
 
@@ -45,6 +59,7 @@ FrameTransformer::FrameTransformer(const ModelDescription& description)
   ln_w_ = make("ln.weight", {c.n_embd}, 0, 1);
   ln_b_ = make("ln.bias", {c.n_embd}, 0);
   channel_in_ = make_linear("channel_in", channels * narrow, c.n_embd + features);
+  own_in_ = make_linear("decoder.own_in", narrow, kFrameFeatures);
   channel_ = make_table("decoder.channel_embedding", channels, narrow);
   before_ = make_table("decoder.before_embedding", channels + 1, narrow);
   chosen_ = make_table("decoder.chosen_embedding", vocabulary, narrow);
@@ -124,19 +139,30 @@ at::Tensor FrameTransformer::decode(const at::Tensor& hidden, const Batch& batch
   // The state before each frame, and the features of the frame before it.
   const at::Tensor state = hidden.slice(1, batch.prefix - 1, batch.prefix - 1 + frames);
   const at::Tensor features = at::constant_pad_nd(whole_frames(batch), {0, 0, 1, 0});
-  at::Tensor x = output_linear(channel_in_, at::cat({state, features}, 2).flatten(0, 1), precision_)
-                     .view({-1, channels, narrow})
-                     .index_select(1, order);
+  // What the time model tells each channel, and the channel's own numbers, read alike for all.
+  const at::Tensor own =
+      (output_linear(channel_in_, at::cat({state, features}, 2).flatten(0, 1), precision_)
+           .view({-1, narrow}) +
+       output_linear(own_in_, features.view({-1, kFrameFeatures}), precision_))
+          .view({-1, channels, narrow});
   // A column of the grid lies before its channel and behind the one before it in the stream.
   const at::Tensor behind = at::cat({at::zeros({1}, order.options()), order.slice(0, 0, -1) + 1});
-  const auto rows = [&](const at::Tensor& table, const at::Tensor& column, const at::Tensor& at) {
-    return at::embedding(table, grid(column, batch.prefix, 0).flatten(0, 1).index_select(1, at));
+  const auto column = [&](const at::Tensor& all, const at::Tensor& at) {
+    return grid(all, batch.prefix, 0).flatten(0, 1).index_select(1, at).flatten();
   };
-  x = x + channel_.index_select(0, order) + before_.index_select(0, behind) +
-      rows(chosen_, batch.token, behind);
-  if (surprise_.defined())
-    x = x + rows(surprise_, batch.surprise, behind) + rows(velocity_, batch.velocity, order) +
-        rows(last_surprise_, batch.last_surprise, order);
+  const auto every_frame = [&](const at::Tensor& at) { return at.repeat({own.size(0)}); };
+  std::vector<Lookup> lookups = {{channel_, every_frame(order)},
+                                 {before_, every_frame(behind)},
+                                 {chosen_, column(batch.token, behind)}};
+  if (surprise_.defined()) {
+    lookups.push_back({surprise_, column(batch.surprise, behind)});
+    lookups.push_back({velocity_, column(batch.velocity, order)});
+    lookups.push_back({last_surprise_, column(batch.last_surprise, order)});
+  }
+  // Most often the order is the stream's: then nothing needs to be moved.
+  const bool moved = !order.equal(at::arange(channels, order.options()));
+  const at::Tensor base = moved ? own.index_select(1, order) : own;
+  at::Tensor x = embedding_sum(base.flatten(0, 1), lookups).view(base.sizes());
   x = run_blocks(decoder_, drop(x), description_.config.decoder_head, 0);
   return at::layer_norm(x, {narrow}, decoder_ln_w_, decoder_ln_b_).flatten(0, 1);
 }

@@ -12,9 +12,7 @@
 
 namespace mocaplm {
 
-// (B, F, C) bins of whole frames -> (B, F, C * kFrameFeatures): of each channel its place u in its
-// range, sin and cos of pi u, 2 pi u and 4 pi u, and half the inverse hyperbolic sine of its last
-// kFrameLags steps in bins, latest first, 0 before the window's second frame.
+// (B, F, C) bins of whole frames -> (B, F, C * kFrameFeatures), see model/input.h.
 at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins);
 
 class FrameTransformer : public LanguageModel {
@@ -45,7 +43,7 @@ class FrameTransformer : public LanguageModel {
 
   at::Tensor token_, position_;
   std::vector<std::int64_t> order_;
-  LinearWeights frame_in_, channel_in_;
+  LinearWeights frame_in_, channel_in_, own_in_;
   std::vector<BlockWeights> blocks_, decoder_;
   at::Tensor ln_w_, ln_b_;
   at::Tensor channel_, before_, chosen_, surprise_, velocity_, last_surprise_;

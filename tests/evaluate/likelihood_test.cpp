@@ -36,7 +36,7 @@ std::vector<ScoredClip> some_clips(const ModelDescription& d) {
 
 // Windows start every half window; the first shows the clip's beginning, each later one scores the
 // frames that no earlier one reached. Returns bits per frame and channel.
-std::vector<std::vector<double>> plain(Transformer& model, const ScoredClip& clip) {
+std::vector<std::vector<double>> plain(LanguageModel& model, const ScoredClip& clip) {
   const at::NoGradGuard no_grad;
   const std::size_t frames = clip.ids.size() / kPerFrame;
   std::vector<std::vector<double>> bits(frames);

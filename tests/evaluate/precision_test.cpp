@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "evaluate/likelihood.h"
+#include "generate/engine.h"
 #include "motion/synth.h"
 #include "temporary_folder.h"
 #include "train/trainer.h"

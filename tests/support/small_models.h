@@ -120,6 +120,7 @@ inline void add_frames_weights(RandomWeights& w, const ModelDescription& d) {
   w.add("position_embedding", {c.block_size, c.n_embd});
   w.linear("frame_in", c.n_embd, features, 0.1);
   w.linear("channel_in", channels * c.decoder_embd, c.n_embd + features, 0.1);
+  w.linear("decoder.own_in", c.decoder_embd, kFrameFeatures);
   w.add("decoder.channel_embedding", {channels, c.decoder_embd});
   w.add("decoder.before_embedding", {channels + 1, c.decoder_embd});
   w.add("decoder.chosen_embedding", {d.shape.vocabulary, c.decoder_embd});

@@ -91,8 +91,10 @@ class Reference {
     const at::Tensor before = frame > 0
                                   ? features(in, frame - 1)
                                   : at::zeros({d_.shape.channels * kFrameFeatures}, at::kDouble);
-    const at::Tensor own = linear("channel_in", at::cat({state, before}))
-                               .view({d_.shape.channels, d_.config.decoder_embd});
+    const at::Tensor own =
+        linear("channel_in", at::cat({state, before}))
+            .view({d_.shape.channels, d_.config.decoder_embd}) +
+        linear("decoder.own_in", before.view({d_.shape.channels, kFrameFeatures}));
     std::vector<at::Tensor> y;
     std::size_t chosen = frame * per_frame;  // the position of what was chosen last
     std::size_t behind = 0;
@@ -145,9 +147,16 @@ class Reference {
         values.push_back(std::sin(k * M_PI * u));
         values.push_back(std::cos(k * M_PI * u));
       }
-      for (std::size_t lag = 0; lag < static_cast<std::size_t>(kFrameLags); ++lag)
-        values.push_back(
-            frame < lag + 1 ? 0 : std::asinh(bin(frame - lag, c) - bin(frame - lag - 1, c)) / 2);
+      const auto turn = [&](std::size_t back) {
+        return frame < back + 2
+                   ? 0
+                   : bin(frame - back, c) - 2 * bin(frame - back - 1, c) + bin(frame - back - 2, c);
+      };
+      values.push_back(frame < 1 ? 0 : std::asinh(bin(frame, c) - bin(frame - 1, c)) / 2);
+      values.push_back(std::asinh(turn(0)) / 2);
+      values.push_back(std::asinh(turn(1)) / 2);
+      for (std::size_t lag = 0; lag < 6; ++lag)
+        values.push_back(std::min(std::max(turn(lag), -8.), 8.) / 4);
     }
     return at::tensor(values, at::kDouble);
   }
