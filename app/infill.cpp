@@ -2,7 +2,6 @@
 #include "infill/infill.h"
 
 #include <memory>
-#include <tuple>
 
 #include "app/commands.h"
 #include "app/generated.h"
@@ -104,14 +103,14 @@ void add_infill(CLI::App& app) {
       ->add_option("--joints", command->joints,
                    "missing joints or groups, e.g. left_arm; without it all and the root's path")
       ->delimiter(',');
-  for (const auto& [name, value, help] :
-       {std::tuple<const char*, double*, const char*>{"--from", &options.from,
-                                                      "second in which the gap begins"},
-        {"--to", &options.to, "second in which it ends, 0 for the clip's end"}})
-    infill->add_option(name, *value, help)
+  const auto add_seconds = [&](const char* name, double& value, const char* help) {
+    infill->add_option(name, value, help)
         ->check(CLI::Range(0.0, 1e6))
         ->check(BindOptions::finite())
         ->capture_default_str();
+  };
+  add_seconds("--from", options.from, "second in which the gap begins");
+  add_seconds("--to", options.to, "second in which it ends, 0 for the clip's end");
   infill->add_option("--label", command->labels, "a condition, name=value")->delimiter(',');
   infill->add_option("--out", command->out, "writes OUT.npz, OUT.bvh and OUT.html")
       ->capture_default_str();

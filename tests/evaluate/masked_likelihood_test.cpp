@@ -20,7 +20,9 @@ TEST(ScoreMaskedClips, EveryTokenIsHiddenOnceWithASeventhOfTheOthers) {
   const std::vector<int> passes = masking_passes(shape, 400, 5);
   std::map<int, int> counts;
   for (std::size_t i = 0; i < 400; ++i) {
-    if (i % 4 == 3) EXPECT_EQ(passes[i], -1);
+    if (i % 4 == 3) {
+      EXPECT_EQ(passes[i], -1);
+    }
     ++counts[passes[i]];
   }
   for (int pass = 0; pass < kMaskingPasses; ++pass) EXPECT_NEAR(counts[pass], 300 / 7, 1) << pass;

@@ -43,7 +43,9 @@ TEST(FillHidden, FillsWhatIsHiddenAndNothingElse) {
       EXPECT_EQ(told, rounds);
       ASSERT_EQ(filled.size(), c.ids.size());
       for (std::size_t i = 0; i < filled.size(); ++i) {
-        if (c.ids[i] != 1) EXPECT_EQ(filled[i], c.ids[i]);
+        if (c.ids[i] != 1) {
+          EXPECT_EQ(filled[i], c.ids[i]);
+        }
         EXPECT_GE(filled[i], 3);
         EXPECT_LT(filled[i], 4 + (i % 4 == 2 ? 7 : 11));
       }

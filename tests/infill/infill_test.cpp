@@ -70,7 +70,8 @@ TEST_F(Infill, JointsAreFilledAndAllElseStays) {
 }
 
 TEST_F(Infill, FramesAreFilledAndThePathMeets) {
-  for (const auto& [from, to] : {std::pair{0.5, 1.0}, {0.0, 0.4}, {1.5, 0.0}}) {
+  const std::vector<std::pair<double, double>> gaps = {{0.5, 1.0}, {0.0, 0.4}, {1.5, 0.0}};
+  for (const auto& [from, to] : gaps) {
     options_.from = from;
     options_.to = to;
     const InfillResult r = infill(options_);

@@ -118,8 +118,12 @@ TEST(MaskedInput, CentralWindowsCoverEveryFrameOnce) {
         EXPECT_LE(w.last, frames);
         EXPECT_EQ(w.last - w.first, std::min(room, frames));
         // Within the stream at least a fifth of the window lies on each side.
-        if (w.first > 0 && w.last < frames) EXPECT_GE(w.from - w.first + 1, room / 5);
-        if (w.last < frames) EXPECT_GE(w.last - w.to + 1, room / 5);
+        if (w.first > 0 && w.last < frames) {
+          EXPECT_GE(w.from - w.first + 1, room / 5);
+        }
+        if (w.last < frames) {
+          EXPECT_GE(w.last - w.to + 1, room / 5);
+        }
         next = w.to;
       }
       EXPECT_EQ(next, frames) << room;

@@ -64,7 +64,10 @@ TEST(Masking, AlwaysAsksForSomething) {
       const std::vector<bool> mask = draw_mask(kShape, 1 + random.below(25), options, random);
       std::size_t count = 0;
       for (std::size_t t = 0; t < mask.size(); ++t)
-        if (mask[t]) ++count, EXPECT_LT(t % kPerFrame, kChannels);
+        if (mask[t]) {
+          ++count;
+          EXPECT_LT(t % kPerFrame, kChannels);
+        }
       EXPECT_GE(count, 1u);
     }
 }
@@ -141,7 +144,9 @@ TEST(MaskedWindows, WhatIsHiddenNeverChangesTheInput) {
       EXPECT_EQ(w.input.surprise[p], 0);
       changed.clips[clip].ids[index] = 4 + (w.target[p] - 4 + 11) % 30;
     }
-    if (options.joint_subset == 0) EXPECT_GT(targets, 0);
+    if (options.joint_subset == 0) {
+      EXPECT_GT(targets, 0);
+    }
     const Window other = make_window(changed, d, clip, first, options, again);
     expect_same_input(w.input, other.input);
     for (std::size_t p = 0; p < w.target.size(); ++p)
@@ -178,7 +183,9 @@ TEST(JointSubsets, HiddenJointsAreNeitherSeenNorAskedFor) {
     const Window whole = make_window(corpus, d, 0, 5, {}, third);
     for (std::size_t p = 2; p < w.input.size(); ++p) {
       const std::size_t next = (p - 1) % kPerFrame;
-      if (hidden.count(next) == 0) EXPECT_EQ(w.input.centre[p], whole.input.centre[p]);
+      if (hidden.count(next) == 0) {
+        EXPECT_EQ(w.input.centre[p], whole.input.centre[p]);
+      }
     }
     if (HasFailure()) FAIL() << "in round " << round;
   }
