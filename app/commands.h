@@ -17,6 +17,8 @@ void add_view(CLI::App& app);
 void add_train(CLI::App& app);
 void add_classify(CLI::App& app);
 void add_evaluate(CLI::App& app);
+void add_experiment(CLI::App& app);
+void add_infill(CLI::App& app);
 void add_demo(CLI::App& app);
 
 }  // namespace mocaplm

@@ -10,6 +10,7 @@
 #include "app/options.h"
 #include "common/error.h"
 #include "common/files.h"
+#include "model/directory.h"
 #include "motion/formats/formats.h"
 #include "motion/skeleton.h"
 
@@ -76,6 +77,8 @@ void run_generate(GenerateCommand& command) {
   request.joints = parse_joints(command.joints);
   check_out(command);
   const std::string place = resolve_model(command.model).string();
+  if (load_description(command.model).masked())
+    throw UsageError(place + " is a masked model: it fills gaps of a clip, see mocaplm infill");
   Generator generator(load_model(command.model), place, engine_options(command));
   if (!command.prompt.empty()) request.prompt = read_clip(command.prompt, {});
   const std::int64_t seed = request.sampling.seed;

@@ -13,6 +13,8 @@ int main(int argc, char** argv) {
   add_train(app);
   add_classify(app);
   add_evaluate(app);
+  add_experiment(app);
+  add_infill(app);
   add_demo(app);
 #else
   add_synth(app);

@@ -41,6 +41,8 @@ void add_commands_with_torch(CLI::App& app) {
   const std::pair<const char*, const char*> commands[] = {
       {"train", "pre-train or fine-tune a model on a dataset"},
       {"classify", "train and test a classifier beside LDA and the majority class"},
+      {"experiment", "train and test the rows of a table, see configs/thesis; goes on if cut off"},
+      {"infill", "fill missing joints or frames of a clip with a masked model"},
       {"demo", "the whole walk on procedural dances, in minutes"}};
   for (const auto& [name, help] : commands) {
     CLI::App* command = app.add_subcommand(name, help);

@@ -6,8 +6,11 @@
 #include "app/commands.h"
 #include "app/options.h"
 #include "common/error.h"
+#include "common/files.h"
 #include "common/text.h"
+#include "train/range_test.h"
 #include "train/trainer.h"
+#include "viewer/plot.h"
 
 namespace mocaplm {
 
@@ -16,6 +19,8 @@ namespace {
 struct TrainCommand {
   TrainOptions options;
   std::string config_file, from;
+  bool range_test = false;
+  RangeTestConfig range;
   RunConfig given;  // what the command line says; only options that were used count
 };
 
@@ -26,9 +31,39 @@ void check_resume(const CLI::App& app) {
                         "(settings.json); start another one with --from");
 }
 
+void run_range_test(const TrainCommand& command) {
+  const RangeTestResult result = range_test(command.options, command.range);
+  Plot plot;
+  plot.title = "Learning-rate range test";
+  plot.x_label = "learning rate";
+  plot.y_label = "loss, nats a token";
+  plot.log_x = true;
+  plot.series.resize(3);
+  plot.series[0].name = "each step";
+  plot.series[0].line = false;
+  plot.series[1].name = "smoothed";
+  plot.series[2].name = "proposed";
+  plot.series[2].line = false;
+  for (std::size_t i = 0; i < result.rates.size(); ++i) {
+    plot.series[0].points.push_back({result.rates[i], result.losses[i], ""});
+    plot.series[1].points.push_back({result.rates[i], result.smooth[i], ""});
+    if (i + 1 == result.rates.size() || result.rates[i + 1] > result.proposed)
+      if (plot.series[2].points.empty())
+        plot.series[2].points.push_back({result.rates[i], result.smooth[i], "proposed"});
+  }
+  const auto svg = command.options.out / "range_test.svg";
+  write_file(svg, plot_svg(plot));
+  print_table(range_test_table(result), "");
+  std::printf("curve: %s, numbers: range_test.json beside it\n", svg.c_str());
+}
+
 void run_train(const CLI::App& app, TrainCommand& command) {
   TrainOptions& options = command.options;
   if (options.resume) check_resume(app);
+  if (!command.range_test)
+    for (const char* option : {"--range-steps", "--range-low", "--range-high"})
+      if (app.get_option(option)->count() > 0)
+        throw UsageError(std::string(option) + " is for --range-test");
   if (!command.config_file.empty()) options.config = load_run_config(command.config_file);
   overlay_options(app, command.given.tokenizer, options.config.tokenizer);
   overlay_options(app, command.given.model, options.config.model);
@@ -38,6 +73,7 @@ void run_train(const CLI::App& app, TrainCommand& command) {
     throw UsageError("--data is required (a folder made by 'mocaplm import' or 'mocaplm synth')");
   if (!options.resume) std::printf("%s\n", to_json(options.config).dump(2).c_str());
   std::fflush(stdout);
+  if (command.range_test) return run_range_test(command);
   const TrainResult result = train(options);
   std::printf(
       "%lld parameters, %lld steps in %s, %.0f tokens/s, waited %.1f s for data; best validation "
@@ -57,6 +93,11 @@ void add_train(CLI::App& app) {
   train->add_option("--out", command->options.out, "folder of the run")->required();
   train->add_option("--from", command->from, "fine-tune this model");
   train->add_flag("--resume", command->options.resume, "go on with the run in --out");
+  train->add_flag(
+      "--range-test", command->range_test,
+      "instead of training raise the learning rate step by step, propose one, and write "
+      "range_test.json and range_test.svg to --out");
+  bind_options(*train->add_option_group("range test"), command->range);
   add_machine_options(*train, command->options.device, command->options.threads);
   bind_options(*train->add_option_group("tokenizer"), command->given.tokenizer);
   bind_options(*train->add_option_group("model"), command->given.model);

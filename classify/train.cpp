@@ -54,6 +54,10 @@ Setup set_up(const ClassifyOptions& options) {
   Setup s;
   s.place = resolve_model(options.model).string();
   s.stored = load_model(options.model);
+  if (s.stored.description.masked())
+    throw UsageError(s.place +
+                     " is a masked model; classify takes a causal one, whose loss is "
+                     "trained jointly");
   s.tokenizer =
       Tokenizer::of_model(s.stored.tokenizer, s.stored.description.tokenizer_fingerprint, s.place);
   s.dataset = load_dataset(options.data);

@@ -10,6 +10,7 @@
 #include "common/text.h"
 #include "evaluate/generated/chosen_clips.h"
 #include "evaluate/likelihood.h"
+#include "evaluate/masked_likelihood.h"
 #include "model/transformer/setup.h"
 #include "model/transformer/weights.h"
 #include "motion/dataset.h"
@@ -46,24 +47,24 @@ EncodedSplit encode(const Dataset& dataset, const EvaluateOptions& options,
   return out;
 }
 
-// Columns of one table: what each of the models and baselines spends.
-struct Columns {
-  BitCount model;
-  std::vector<BitCount> orders = std::vector<BitCount>(Baselines::kOrders);
-};
-
 Json per_frame(const BitCount& count, int first, int channels) {
   return count.per_frame(first, channels);
 }
 
-void add_row(Table& table, const std::string& name, const Columns& columns, int first,
+void add_row(Table& table, const std::string& name, const BitColumns& columns, int first,
              int channels) {
   std::vector<Json> cells = {name, channels, per_frame(columns.model, first, channels)};
   for (const BitCount& order : columns.orders) cells.push_back(per_frame(order, first, channels));
   table.row(cells);
 }
 
-Table make_table(const std::string& title, const Columns& columns, const Tokenizer& tokenizer) {
+constexpr const char* kMaskedNote =
+    "a masked model: each token is hidden with a seventh of the others and told by the rest of its "
+    "window, what comes after included; its bits compare with no causal model's, nor with the "
+    "baselines'";
+
+Table make_table(const std::string& title, const BitColumns& columns, const Tokenizer& tokenizer,
+                 bool masked) {
   Table table(title, {"bits/frame", "channels", "model", "order 0", "order 1", "order 2"});
   table.digits({-1, -1, 2, 2, 2, 2});
   const int channels = tokenizer.channels(), rotations = tokenizer.rotation_channels();
@@ -78,10 +79,12 @@ Table make_table(const std::string& title, const Columns& columns, const Tokeniz
   for (const BitCount& order : columns.orders)
     tokens.push_back(order.per_frame(0, channels) / channels);
   table.row(tokens);
-  table.note(
-      std::to_string(columns.model.frames) + " frames at " + format_number(tokenizer.config().fps) +
-      " per second; separators, which cost the model " +
-      format_fixed(columns.model.per_frame(channels, 1), 4) + " bits/frame, are not counted");
+  table.note(masked ? kMaskedNote
+                    : "separators, which cost the model " +
+                          format_fixed(columns.model.per_frame(channels, 1), 4) +
+                          " bits/frame, are not counted");
+  table.note(std::to_string(columns.model.frames) + " frames at " +
+             format_number(tokenizer.config().fps) + " per second");
   return table;
 }
 
@@ -127,7 +130,8 @@ std::vector<BitCount> score(const EvaluateOptions& options, const StoredModel& s
     const at::Device device = choose_device(options.device);
     model->to(device);
     model->set_precision(choose_precision(options.precision, device));
-    scores = score_clips(*model, clips, kAtOnce, done);
+    scores = (stored.description.masked() ? score_masked_clips(*model, clips, kAtOnce, done)
+                                          : score_clips(*model, clips, kAtOnce, done));
   }
   bar.finish();
   return scores;
@@ -135,13 +139,18 @@ std::vector<BitCount> score(const EvaluateOptions& options, const StoredModel& s
 
 }  // namespace
 
-std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
+SplitBits split_bits(const EvaluateOptions& options) {
   set_up_cpu(options.threads);
   const std::string place = resolve_model(options.model).string();
   const StoredModel stored = load_model(options.model);
-  const Tokenizer tokenizer =
+  SplitBits bits;
+  bits.model = stored.description;
+  bits.tokenizer =
       Tokenizer::of_model(stored.tokenizer, stored.description.tokenizer_fingerprint, place);
+  const Tokenizer& tokenizer = bits.tokenizer;
 
+  if (bits.model.masked() && !options.engine.empty())
+    throw UsageError("--engine: a masked model is scored by LibTorch alone");
   const Dataset dataset = load_dataset(options.data);
   check_by(options, dataset);
   const EncodedSplit train = encode(dataset, options, "train", tokenizer, {});
@@ -150,20 +159,24 @@ std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
   const Fitted baselines = fit_baselines(options, train, test, tokenizer);
 
   const std::vector<BitCount> scores = score(options, stored, place, test.clips);
-  std::map<std::string, Columns> groups;
   for (std::size_t i = 0; i < test.clips.size(); ++i) {
     const std::string value = value_of(test.entries[i], options.by);
-    Columns& columns = groups[value];
+    BitColumns& columns = bits.groups[value];
     columns.model.add(scores[i]);
     for (int order = 0; order < Baselines::kOrders; ++order)
       columns.orders[static_cast<std::size_t>(order)].add(
           baselines.at(value).score(order, stream_bins(tokenizer, test.clips[i].ids)));
   }
+  return bits;
+}
+
+std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
+  const SplitBits bits = split_bits(options);
   std::vector<Table> tables;
-  for (const auto& [value, columns] : groups)
+  for (const auto& [value, columns] : bits.groups)
     tables.push_back(make_table(
         "split " + options.split + (options.by.empty() ? "" : ", " + options.by + " " + value),
-        columns, tokenizer));
+        columns, bits.tokenizer, bits.model.masked()));
   return tables;
 }
 

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "common/table.h"
+#include "evaluate/baselines.h"
+#include "model/config.h"
 
 namespace mocaplm {
 
@@ -20,6 +23,21 @@ struct EvaluateOptions {
   std::string engine;  // a Precision: score by the engine that generates instead of LibTorch
   int threads = 0;
 };
+
+// What some clips cost, channel by channel.
+struct BitColumns {
+  BitCount model;  // channels + 1 columns, the separator last
+  std::vector<BitCount> orders = std::vector<BitCount>(Baselines::kOrders);  // channels columns
+};
+
+struct SplitBits {
+  ModelDescription model;
+  Tokenizer tokenizer;
+  std::map<std::string, BitColumns> groups;  // by the value of `by`; one of the name "" without it
+};
+
+// The numbers of evaluate_tables, with its errors.
+SplitBits split_bits(const EvaluateOptions& options);
 
 // One table for each value of `by`, else one. Throws DataError or UsageError when something does
 // not fit.

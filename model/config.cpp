@@ -24,6 +24,10 @@ void check_model(const ModelDescription& d) {
   check_divides("n_head", c.n_head, "n_embd", c.n_embd);
   if (d.frame_positions())
     check_divides("decoder_head", c.decoder_head, "decoder_embd", c.decoder_embd);
+  if (d.masked() && d.frame_positions())
+    throw UsageError(
+        "objective masked needs architecture flat: a model of frames has no positions "
+        "for single tokens");
   const auto extra = static_cast<std::int64_t>(d.classes.size());
   const std::int64_t need =
       d.prefix() + extra + 2 * (d.frame_positions() ? 1 : d.shape.tokens_per_frame());

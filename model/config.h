@@ -10,6 +10,7 @@ namespace mocaplm {
 
 struct ModelConfig {
   std::string architecture = "flat";
+  std::string objective = "causal";
   std::int64_t n_layer = 4;
   std::int64_t n_head = 4;
   std::int64_t n_embd = 192;
@@ -30,6 +31,9 @@ struct ModelConfig {
     v.choice("architecture", architecture, {"flat", "frames"},
              "flat: one position a token (the thesis); frames: one position a frame, and a small "
              "decoder over the channels of each frame");
+    v.choice("objective", objective, {"causal", "masked"},
+             "causal: predict the next token; masked: fill in hidden tokens, seeing those on both "
+             "sides (flat only)");
     v.integer("n_layer", n_layer, 1, 96, "transformer blocks");
     v.integer("n_head", n_head, 1, 128, "attention heads; divides n_embd");
     v.integer("n_embd", n_embd, 8, 8192, "width of the embedding");
@@ -42,7 +46,8 @@ struct ModelConfig {
     v.choice(
         "output", output, {"extrapolation", "absolute"},
         "absolute: logits over bins (the thesis); extrapolation: adds logits over the distance to "
-        "the linear extrapolation 2x[t-1]-x[t-2] of the same channel");
+        "the linear extrapolation 2x[t-1]-x[t-2] of the same channel (masked: to the line between "
+        "the nearest known frames)");
     v.integer("reach", reach, 1, 4096,
               "bins on each side of the extrapolation with a logit of their own");
     v.boolean("history", history, "embed each channel's own recent movement beside the tokens");
@@ -80,6 +85,12 @@ struct ModelDescription {
   Json training = Json::object();  // the resolved settings of the run that made it, for the record
 
   bool frame_positions() const { return config.architecture == "frames"; }
+  // Each position predicts its own token and sees the whole window (model/masked_input.h).
+  bool masked() const { return config.objective == "masked"; }
+  // Tokens of a frame that have a loss: of a masked model all but the separator.
+  std::int64_t predicted_per_frame() const {
+    return masked() ? shape.channels : shape.tokens_per_frame();
+  }
   // Positions before the first frame: start and conditions.
   std::int64_t prefix() const { return 1 + static_cast<std::int64_t>(conditions.size()); }
 };

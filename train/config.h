@@ -22,6 +22,11 @@ struct TrainConfig {
   double beta2 = 0.95;
   double grad_clip = 1.0;
   bool mirror = false;
+  bool heading = false;
+  double speed = 1;
+  double joint_subset = 0;
+  double mask_share = 0.15;
+  double mask_spans = 0;
   std::vector<std::string> conditions;
   double condition_dropout = 0.1;
   std::int64_t validate_every = 250;
@@ -46,6 +51,17 @@ struct TrainConfig {
     v.number("beta2", beta2, 0.5, 0.99999, "AdamW's second decay rate");
     v.number("grad_clip", grad_clip, 0, 1000, "largest norm of the gradient, 0 for none");
     v.boolean("mirror", mirror, "also train on the left-right mirrored motion (appendix A.5)");
+    v.boolean("heading", heading,
+              "turn each clip by a random angle about the vertical, another in every epoch (5.1)");
+    v.number("speed", speed, 1, 4,
+             "play each clip at a random speed between 1 / speed and speed, another in every epoch "
+             "(5.1); 1 for its own");
+    v.number("joint_subset", joint_subset, 0, 1,
+             "flat: share of windows that show some of the joints only (5.1)");
+    v.number("mask_share", mask_share, 0.01, 1, "masked: share of the tokens that are hidden");
+    v.number("mask_spans", mask_spans, 0, 1,
+             "masked: share of windows in which joints are hidden over a stretch of frames, as "
+             "infilling meets them");
     v.texts(
         "conditions", conditions,
         "labels whose tokens head each window; with --from all labels of the data unless 'none'");
@@ -61,6 +77,20 @@ struct TrainConfig {
     v.integer("seed", seed, 0, 2147483647, "seed of weights, windows and dropout");
     v.choice("precision", precision, {"auto", "bf16", "f32"},
              "type of the matrix products; auto: bf16 where the machine has it");
+  }
+};
+
+// Of train --range-test.
+struct RangeTestConfig {
+  std::int64_t range_steps = 100;
+  double range_low = 1e-6;
+  double range_high = 1;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer("range_steps", range_steps, 10, 100000, "steps from the lowest rate to the highest");
+    v.number("range_low", range_low, 1e-12, 1, "lowest learning rate");
+    v.number("range_high", range_high, 1e-12, 100, "highest learning rate");
   }
 };
 

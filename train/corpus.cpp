@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "common/error.h"
 #include "common/parallel.h"
+#include "model/masked_input.h"
 #include "motion/mirror.h"
+#include "motion/turn.h"
 #include "tokenizer/conditions.h"
 
 namespace mocaplm {
@@ -25,21 +28,44 @@ EncodedClip encode_clip(const Clip& clip, const Tokenizer& tokenizer,
   return out;
 }
 
+constexpr double kTurn = 6.28318530717958647692;
+
+// The stream with the hidden channels of all frames masked; nothing else changes.
+std::vector<std::int32_t> without_channels(std::vector<std::int32_t> ids,
+                                           const std::vector<bool>& hidden, std::size_t per_frame) {
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    if (i % per_frame < hidden.size() && hidden[i % per_frame]) ids[i] = Tokenizer::kMask;
+  return ids;
+}
+
 }  // namespace
 
+Clip augmented(const Clip& clip, const std::string& name, const Augmentation& augmentation) {
+  Random random(stable_hash("augmented " + name, augmentation.seed));
+  const double angle = random.uniform() * kTurn, exponent = random.uniform(-1, 1);
+  Clip out = augmentation.heading ? turned(clip, angle) : clip;
+  // A clip of more frames a second than it has plays faster.
+  if (augmentation.speed > 1) out.fps *= std::pow(augmentation.speed, exponent);
+  return out;
+}
+
 Corpus encode_split(const Dataset& dataset, const std::string& split, const Tokenizer& tokenizer,
-                    const std::vector<std::string>& conditions, bool mirror_too, int threads) {
+                    const std::vector<std::string>& conditions, bool mirror_too, int threads,
+                    const Augmentation& augmentation, const std::atomic<bool>* stop) {
   const std::vector<DatasetEntry> entries = dataset.split(split);
   const std::size_t copies = mirror_too ? 2 : 1;
   std::vector<EncodedClip> encoded(entries.size() * copies);
   std::vector<EncodeReport> reports(encoded.size());
   parallel_for(entries.size(), threads, [&](std::size_t i) {
+    if (stop != nullptr && *stop) return;
     const Clip clip = load_clip(dataset, entries[i]);
-    encoded[i] = encode_clip(clip, tokenizer, conditions, reports[i]);
-    if (!mirror_too) return;
-    const std::size_t twin = entries.size() + i;
-    encoded[twin] = encode_clip(mirror(clip), tokenizer, conditions, reports[twin]);
-    encoded[twin].name += " (mirrored)";
+    const auto encode = [&](std::size_t at, const Clip& one, const std::string& name) {
+      encoded[at] = encode_clip(augmentation.any() ? augmented(one, name, augmentation) : one,
+                                tokenizer, conditions, reports[at]);
+      encoded[at].name = name;
+    };
+    encode(i, clip, clip.name);
+    if (mirror_too) encode(entries.size() + i, mirror(clip), clip.name + " (mirrored)");
   });
   Corpus corpus;
   const auto per_frame = static_cast<std::size_t>(tokenizer.tokens_per_frame());
@@ -65,29 +91,77 @@ std::size_t window_frames(const ModelDescription& model, std::int64_t reserve) {
   return static_cast<std::size_t>(frames_in_window(model, reserve));
 }
 
+namespace {
+
+void fill_causal(Window& window, const ModelDescription& model,
+                 const std::vector<std::int32_t>& prefix, const std::vector<std::int32_t>& ids,
+                 std::size_t first, std::size_t count, const std::vector<bool>& hidden) {
+  const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
+  if (hidden.empty()) {
+    window.input = window_input(model, prefix, ids, first, count);
+  } else {  // with the frames before it that its first ones are told of
+    const std::size_t past = std::min(first, 3 * per_frame);
+    const auto begin = ids.begin() + static_cast<std::ptrdiff_t>(first);
+    std::vector<std::int32_t> some(begin - static_cast<std::ptrdiff_t>(past),
+                                   begin + static_cast<std::ptrdiff_t>(count));
+    // The token after the last is asked for: its channel's past is looked up by its index.
+    window.input = window_input(model, prefix, without_channels(std::move(some), hidden, per_frame),
+                                past, count);
+  }
+  for (std::size_t i = 0; i <= count && first + i < ids.size(); ++i) {
+    const std::size_t channel = i % per_frame;
+    const bool asked = channel >= hidden.size() || !hidden[channel];
+    window.target[prefix.size() - 1 + i] = asked ? ids[first + i] : -1;
+  }
+}
+
+void fill_masked(Window& window, const ModelDescription& model,
+                 const std::vector<std::int32_t>& prefix, const std::vector<std::int32_t>& ids,
+                 std::size_t first, std::size_t count, const std::vector<bool>& hidden,
+                 const WindowOptions& options, Random& random) {
+  const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
+  const auto begin = ids.begin() + static_cast<std::ptrdiff_t>(first);
+  std::vector<std::int32_t> shown(begin, begin + static_cast<std::ptrdiff_t>(count));
+  const std::vector<bool> mask = draw_mask(model.shape, count, options, random);
+  shown = without_channels(std::move(shown), hidden, per_frame);
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool away = i % per_frame < hidden.size() && hidden[i % per_frame];
+    if (!mask[i] || away) continue;
+    shown[i] = Tokenizer::kMask;
+    window.target[prefix.size() + i] = ids[first + i];
+  }
+  window.input = masked_input(model, prefix, shown);
+}
+
+}  // namespace
+
 Window make_window(const Corpus& corpus, const ModelDescription& model, std::size_t clip_index,
-                   std::size_t first_frame, double condition_dropout, Random& random,
+                   std::size_t first_frame, const WindowOptions& options, Random& random,
                    std::int64_t reserve) {
   const EncodedClip& clip = corpus.clips[clip_index];
   const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
   std::vector<std::int32_t> prefix = {Tokenizer::kStart};
   for (const std::int32_t label : clip.labels)
-    prefix.push_back(
-        condition_dropout > 0 && random.uniform() < condition_dropout ? Tokenizer::kMask : label);
+    prefix.push_back(options.condition_dropout > 0 && random.uniform() < options.condition_dropout
+                         ? Tokenizer::kMask
+                         : label);
   const auto length = static_cast<std::size_t>(tokens_in_window(model, reserve));
   const std::size_t first = first_frame * per_frame;
   assert(first < clip.ids.size());
-  const std::size_t count = std::min(length - prefix.size(), clip.ids.size() - first);
+  std::size_t room = length - prefix.size();
+  // A masked model sees padding, too: then what does not fill a frame is always padding.
+  if (model.masked()) room -= room % per_frame;
+  const std::size_t count = std::min(room, clip.ids.size() - first);
   Window window;
   window.clip = clip_index;
   window.first_frame = first_frame;
   window.frames = count / per_frame;
-  window.input = window_input(model, prefix, clip.ids, first, count);
   window.target.assign(length, -1);
-  for (std::size_t i = 0; i < count; ++i)
-    window.target[prefix.size() - 1 + i] = clip.ids[first + i];
-  if (first + count < clip.ids.size())
-    window.target[prefix.size() - 1 + count] = clip.ids[first + count];
+  const std::vector<bool> hidden = draw_hidden_channels(model.shape, options, random);
+  if (model.masked())
+    fill_masked(window, model, prefix, clip.ids, first, count, hidden, options, random);
+  else
+    fill_causal(window, model, prefix, clip.ids, first, count, hidden);
   while (window.input.size() < length)
     append_prefix(window.input, model, Tokenizer::kPad, false, clip.ids, first);
   return window;
@@ -100,7 +174,7 @@ WindowSampler::WindowSampler(const Corpus& corpus, const ModelDescription& model
     cumulative_.push_back(sum += static_cast<double>(clip.ids.size()));
 }
 
-Window WindowSampler::draw(Random& random, double condition_dropout) const {
+Window WindowSampler::draw(Random& random, const WindowOptions& options) const {
   const double at = random.uniform() * cumulative_.back();
   const auto clip = static_cast<std::size_t>(
       std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, at) - cumulative_.begin());
@@ -108,7 +182,7 @@ Window WindowSampler::draw(Random& random, double condition_dropout) const {
       corpus_.clips[clip].ids.size() / static_cast<std::size_t>(model_.shape.tokens_per_frame());
   const std::size_t inside = window_frames(model_);
   const std::size_t starts = frames > inside ? frames - inside + 1 : 1;
-  return make_window(corpus_, model_, clip, random.below(starts), condition_dropout, random);
+  return make_window(corpus_, model_, clip, random.below(starts), options, random);
 }
 
 std::vector<Window> even_windows(const Corpus& corpus, const ModelDescription& model,
@@ -121,10 +195,10 @@ std::vector<Window> even_windows(const Corpus& corpus, const ModelDescription& m
       places.emplace_back(c, f);
   const std::size_t wanted = std::min(places.size(), static_cast<std::size_t>(count));
   std::vector<Window> windows;
-  Random unused(0);
+  Random random(0);  // only what a masked model must fill in is drawn
   for (std::size_t i = 0; i < wanted; ++i) {
     const auto [clip, frame] = places[i * places.size() / wanted];
-    windows.push_back(make_window(corpus, model, clip, frame, 0, unused));
+    windows.push_back(make_window(corpus, model, clip, frame, {}, random));
   }
   return windows;
 }

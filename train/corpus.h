@@ -1,6 +1,7 @@
 // A dataset as token streams, and the windows that training sees of it.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "model/input.h"
 #include "motion/dataset.h"
 #include "tokenizer/tokenizer.h"
+#include "train/masking.h"
 
 namespace mocaplm {
 
@@ -26,22 +28,37 @@ struct Corpus {
   EncodeReport report;
 };
 
+// Random changes of the clips, the same for the same seed.
+struct Augmentation {
+  bool heading = false;  // turned about the vertical by any angle
+  double speed = 1;      // played at a rate between 1 / speed and speed (uniform in its logarithm)
+  std::uint64_t seed = 0;
+  bool any() const { return heading || speed > 1; }
+};
+
+// A clip as it is changed; `name` tells clips (and mirrored twins) apart.
+Clip augmented(const Clip& clip, const std::string& name, const Augmentation& augmentation);
+
 // Encodes the clips of one split on all cores. With `mirror` each clip is there a second time,
-// mirrored. Throws DataError when the split is empty or a clip is shorter than 3 frames at the
-// tokenizer's rate (those are counted and left out) and nothing else is left.
+// mirrored. When `stop` becomes true the rest is left out. Throws DataError when the split is empty
+// or a clip is shorter than 3 frames at the tokenizer's rate (those are counted and left out) and
+// nothing else is left.
 Corpus encode_split(const Dataset& dataset, const std::string& split, const Tokenizer& tokenizer,
-                    const std::vector<std::string>& conditions, bool mirror, int threads);
+                    const std::vector<std::string>& conditions, bool mirror, int threads,
+                    const Augmentation& augmentation = {}, const std::atomic<bool>* stop = nullptr);
 
 struct Window {
   ModelInput input;
-  std::vector<std::int32_t> target;  // the next id at each position, -1 where the loss ignores it
+  // The next id at each position, of a masked model the position's own where it is hidden; -1 where
+  // the loss ignores it.
+  std::vector<std::int32_t> target;
   std::size_t clip = 0, first_frame = 0, frames = 0;
 };
 
 // One window of `tokens_in_window` tokens (padded when the clip is shorter), starting at
 // a frame. `reserve` positions are left free at the end (classification tokens).
 Window make_window(const Corpus& corpus, const ModelDescription& model, std::size_t clip,
-                   std::size_t first_frame, double condition_dropout, Random& random,
+                   std::size_t first_frame, const WindowOptions& options, Random& random,
                    std::int64_t reserve = 0);
 
 // Whole frames that fit a window beside its prefix.
@@ -51,7 +68,7 @@ std::size_t window_frames(const ModelDescription& model, std::int64_t reserve = 
 class WindowSampler {
  public:
   WindowSampler(const Corpus& corpus, const ModelDescription& model);
-  Window draw(Random& random, double condition_dropout) const;
+  Window draw(Random& random, const WindowOptions& options) const;
 
  private:
   const Corpus& corpus_;
@@ -59,7 +76,8 @@ class WindowSampler {
   std::vector<double> cumulative_;  // frames up to and including each clip
 };
 
-// Windows spread evenly over the corpus, always the same: for validation.
+// Windows spread evenly over the corpus, always the same (of a masked model also what is hidden):
+// for validation.
 std::vector<Window> even_windows(const Corpus& corpus, const ModelDescription& model,
                                  std::int64_t count);
 

@@ -98,6 +98,10 @@ TrainSetup set_up_training(const TrainOptions& options) {
     start_from(setup, options);
   else
     start_fresh(setup, options);
+  if (setup.config.train.joint_subset > 0 && setup.description.frame_positions())
+    throw UsageError(
+        "joint_subset needs architecture flat: a model of frames knows no hidden "
+        "joints");
   setup.description.procedural = setup.dataset.procedural;
   const auto& conditions = setup.description.conditions;
   setup.train = encode_split(setup.dataset, "train", setup.tokenizer, conditions,

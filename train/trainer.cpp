@@ -11,6 +11,8 @@
 #include "common/progress.h"
 #include "common/text.h"
 #include "model/transformer/setup.h"
+#include "train/batches.h"
+#include "train/epochs.h"
 #include "train/setup.h"
 
 namespace fs = std::filesystem;
@@ -25,11 +27,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// The seed of everything random in one step: a resumed run needs no other state.
-std::uint64_t step_seed(std::int64_t seed, std::int64_t step) {
-  return stable_hash("step " + std::to_string(step), static_cast<std::uint64_t>(seed));
-}
-
 // Enough to go through every part of a model; not whole frames, as a rule.
 constexpr std::size_t kSelfTestTokens = 1024;
 
@@ -39,21 +36,6 @@ ModelInput self_test_window(const ModelDescription& model, const Window& window)
   std::size_t tokens = std::min(kSelfTestTokens, prefix + window.frames * per_frame);
   if ((tokens - prefix) % per_frame + 1 == per_frame) --tokens;  // a bin comes next
   return slice(window.input, 0, tokens);
-}
-
-struct MicroBatches {
-  std::vector<Batch> batches;
-  std::int64_t targets = 0;  // tokens that count in the loss, all micro-batches together
-};
-
-Batch stack_windows(const std::vector<Window>& windows) {
-  std::vector<ModelInput> inputs;
-  std::vector<std::vector<std::int32_t>> targets;
-  for (const Window& window : windows) {
-    inputs.push_back(window.input);
-    targets.push_back(window.target);
-  }
-  return stack(inputs, targets);
 }
 
 // What is kept beside the weights so that a run goes on as if it had not stopped.
@@ -70,7 +52,10 @@ class Run {
         setup_(std::move(setup)),
         config_(setup_.config.train),
         device_(choose_device(options.device)),
-        sampler_(setup_.train, setup_.description),
+        epochs_(setup_.train, setup_.description,
+                steps_of_an_epoch(setup_.train.frames, config_.batch_size,
+                                  window_frames(setup_.description)),
+                epoch_encoder()),
         validation_(
             even_windows(setup_.validation, setup_.description, config_.validation_windows)),
         optimizer_((setup_.model->to(device_), *setup_.model), config_) {
@@ -123,7 +108,7 @@ class Run {
   }
 
  private:
-  double bits(double nats) const { return bits_per_frame(nats, setup_.description.shape); }
+  double bits(double nats) const { return bits_per_frame(nats, setup_.description); }
   double elapsed() const { return done_.seconds + seconds_since(start_); }
 
   // Share of the run that is done, by steps or by time, whichever is further.
@@ -142,33 +127,28 @@ class Run {
                : text;
   }
 
+  // Null where every epoch has the clips as they are.
+  Epochs::Encode epoch_encoder() const {
+    Augmentation augmentation{config_.heading, config_.speed, 0};
+    if (!augmentation.any()) return nullptr;
+    return [this, augmentation](std::int64_t epoch, const std::atomic<bool>& stop) mutable {
+      augmentation.seed =
+          stable_hash("epoch " + std::to_string(epoch), static_cast<std::uint64_t>(config_.seed));
+      // One thread: the others train.
+      return encode_split(setup_.dataset, "train", setup_.tokenizer, setup_.description.conditions,
+                          config_.mirror, 1, augmentation, &stop);
+    };
+  }
+
   std::future<MicroBatches> ahead(std::int64_t step) {
-    return std::async(std::launch::async, [this, step] {
-      Random random(step_seed(config_.seed, step));
-      MicroBatches made;
-      for (std::int64_t done = 0; done < config_.batch_size; done += config_.micro_batch) {
-        std::vector<Window> windows;
-        for (std::int64_t i = 0; i < std::min(config_.micro_batch, config_.batch_size - done); ++i)
-          windows.push_back(sampler_.draw(random, config_.condition_dropout));
-        made.batches.push_back(stack_windows(windows));
-        made.targets += (made.batches.back().target >= 0).sum().item<std::int64_t>();
-      }
-      return made;
-    });
+    return std::async(std::launch::async,
+                      [this, step] { return draw_batches(epochs_.at(step), config_, step); });
   }
 
   double one_step(const MicroBatches& batches) {
-    at::manual_seed(step_seed(config_.seed, done_.step));  // dropout
-    setup_.model->train();
     optimizer_.zero_grad();
-    double nats = 0;
-    for (const Batch& cpu : batches.batches) {
-      const Batch batch = cpu.to(device_);
-      const at::Tensor loss = setup_.model->loss(setup_.model->hidden(batch), batch).sum() /
-                              static_cast<double>(batches.targets);
-      loss.backward();
-      nats += loss.item<double>();
-    }
+    const double nats =
+        accumulate_gradient(*setup_.model, batches, device_, step_seed(config_.seed, done_.step));
     const double norm = optimizer_.step(scheduled_rate(config_, done_.step, progress()));
     if (!std::isfinite(nats)) diverged("the loss");
     if (!std::isfinite(norm)) diverged("the gradient");
@@ -261,7 +241,7 @@ class Run {
   TrainSetup setup_;
   TrainConfig config_;
   at::Device device_;
-  WindowSampler sampler_;
+  Epochs epochs_;
   std::vector<Window> validation_;
   Optimizer optimizer_;
   Progressed done_;
@@ -287,8 +267,8 @@ void check_out(const TrainOptions& options) {
 
 }  // namespace
 
-double bits_per_frame(double nats_per_token, const StreamShape& shape) {
-  return nats_per_token * static_cast<double>(shape.tokens_per_frame()) / std::log(2.0);
+double bits_per_frame(double nats_per_token, const ModelDescription& model) {
+  return nats_per_token * static_cast<double>(model.predicted_per_frame()) / std::log(2.0);
 }
 
 TrainResult train(const TrainOptions& given) {

@@ -37,7 +37,7 @@ struct TrainResult {
 // DataError when the loss stops being finite (last/ stays as it was).
 TrainResult train(const TrainOptions& options);
 
-// Thesis: mean cross-entropy in nats of a token times tokens of a frame, in bits.
-double bits_per_frame(double nats_per_token, const StreamShape& shape);
+// Thesis: mean cross-entropy in nats of a predicted token times such tokens of a frame, in bits.
+double bits_per_frame(double nats_per_token, const ModelDescription& model);
 
 }  // namespace mocaplm

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/error.h"
 #include "common/progress.h"
 #include "model/directory.h"
 
@@ -18,6 +19,10 @@ std::vector<AskedModel> load_models(const GeneratedOptions& options, std::int64_
   for (const std::filesystem::path& path : options.models) {
     const EngineOptions engine = {named_precision(options.precision), options.threads,
                                   std::clamp<std::int64_t>(sequences, 1, kMaxSequences)};
+    if (load_description(path).masked())
+      throw UsageError(path.string() +
+                       " is a masked model, which fills gaps (infill) and goes on "
+                       "with nothing: expected a causal one");
     models.push_back(
         {options.models.size() == 1 ? "model" : path.string(),
          std::make_unique<Generator>(load_model(path), resolve_model(path).string(), engine)});

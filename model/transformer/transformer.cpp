@@ -38,8 +38,9 @@ at::Tensor Transformer::embed(const Batch& batch) const {
 
 at::Tensor Transformer::hidden(const Batch& batch, const at::Tensor& extra) {
   at::Tensor x = drop(embed(batch));
-  const std::int64_t free = extra.defined() ? extra.size(1) : 0;
-  if (free > 0) x = at::cat({x, extra}, 1);
+  const std::int64_t added = extra.defined() ? extra.size(1) : 0;
+  if (added > 0) x = at::cat({x, extra}, 1);
+  const std::int64_t free = description_.masked() ? x.size(1) : added;
   x = run_blocks(blocks_, x, description_.config.n_head, free);
   return at::layer_norm(x, {x.size(2)}, ln_w_, ln_b_);
 }

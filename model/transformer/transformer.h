@@ -1,6 +1,6 @@
 // The thesis's decoder-only transformer (Figure 4.1), pre-norm as in minGPT: one position a token;
 // token embedding plus absolute positions or the custom frame + joint-channel embedding (4.5.2),
-// causal attention, output layer.
+// causal attention (with "objective" masked every position sees the whole window), output layer.
 #pragma once
 
 #include "model/transformer/language_model.h"

@@ -8,6 +8,7 @@
 #include "common/files.h"
 #include "common/settings.h"
 #include "generate/sampler.h"
+#include "infill/config.h"
 #include "model/config.h"
 #include "motion/import/config.h"
 #include "motion/synth.h"
@@ -110,6 +111,14 @@ TEST(SettingsDocument, Model) {
 
 TEST(SettingsDocument, Train) {
   expect_documented("train", rows_of(TrainConfig()));
+}
+
+TEST(SettingsDocument, RangeTest) {
+  expect_documented("range test", rows_of(RangeTestConfig()));
+}
+
+TEST(SettingsDocument, Filling) {
+  expect_documented("filling", rows_of(FillOptions()));
 }
 
 TEST(SettingsDocument, Sampling) {

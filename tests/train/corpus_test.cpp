@@ -99,7 +99,7 @@ TEST_F(TrainCorpus, TargetsAreTheNextIds) {
     const EncodedClip& clip = corpus_.clips[c];
     for (std::size_t frame = 0; 4 * frame < clip.ids.size(); ++frame)
       for (const std::int64_t reserve : {0, 2}) {
-        const Window w = make_window(corpus_, model_, c, frame, 0, random_, reserve);
+        const Window w = make_window(corpus_, model_, c, frame, {}, random_, reserve);
         const auto length = static_cast<std::size_t>(model_.config.block_size - reserve);
         const std::size_t count = std::min(length - prefix, clip.ids.size() - 4 * frame);
         ASSERT_EQ(w.input.size(), length);
@@ -126,7 +126,7 @@ TEST_F(TrainCorpus, TargetsAreTheNextIds) {
 TEST_F(TrainCorpus, ConditionsAreHiddenAtTheGivenShare) {
   int hidden[2] = {0, 0};
   for (int i = 0; i < 2000; ++i) {
-    const Window w = make_window(corpus_, model_, 0, 5, 0.25, random_);
+    const Window w = make_window(corpus_, model_, 0, 5, {0.25}, random_);
     for (const int at : {0, 1}) {
       const std::int32_t token = w.input.token[static_cast<std::size_t>(1 + at)];
       EXPECT_TRUE(token == Tokenizer::kMask ||
@@ -135,7 +135,7 @@ TEST_F(TrainCorpus, ConditionsAreHiddenAtTheGivenShare) {
     }
   }
   for (const int count : hidden) EXPECT_NEAR(count, 500, 100);
-  const Window all = make_window(corpus_, model_, 0, 5, 1, random_);
+  const Window all = make_window(corpus_, model_, 0, 5, {1}, random_);
   EXPECT_EQ(all.input.token[1], Tokenizer::kMask);
   EXPECT_EQ(all.input.token[2], Tokenizer::kMask);
 }
@@ -148,7 +148,7 @@ TEST_F(TrainCorpus, SamplerDrawsClipsByLengthAndStartsEvenly) {
   std::map<std::size_t, int> starts;  // of the long clip
   constexpr int kDraws = 20000;
   for (int i = 0; i < kDraws; ++i) {
-    const Window w = sampler.draw(random_, 0);
+    const Window w = sampler.draw(random_, {});
     ++clips[w.clip];
     if (w.clip == 0) ++starts[w.first_frame];
     if (w.clip == 2) {

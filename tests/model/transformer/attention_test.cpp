@@ -82,6 +82,7 @@ TEST(CausalAttention, FreeQueriesSeeEverything) {
     compare(length, 2, at::kFloat, 2e-5);
   }
   compare(300, 140, at::kFloat, 2e-5);  // more free queries than a block has
+  compare(300, 300, at::kFloat, 2e-5);  // a masked model: no causality at all
   compare(20, 20, at::kFloat, 2e-5);
 }
 
@@ -142,6 +143,7 @@ TEST(PackedAttention, FreeQueriesSeeEverything) {
     for (const std::int64_t free : {1, 2, 3}) compare_packed(length, 32, free);
   compare_packed(200, 48, 100);
   compare_packed(20, 48, 20);
+  compare_packed(257, 32, 257);  // a masked model
 }
 
 TEST(PackedAttention, OtherProcessorsGetTheSame) {

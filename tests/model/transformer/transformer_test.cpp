@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "model/masked_input.h"
 #include "model/transformer/weights.h"
 #include "support/small_models.h"
 
@@ -75,8 +76,10 @@ class Reference {
     if (d_.config.history)
       x = x + rows("history.surprise", batch.surprise) + rows("history.velocity", batch.velocity) +
           rows("history.last_surprise", batch.last_surprise);
-    const std::int64_t free = extra.defined() ? extra.size(1) : 0;
-    if (free > 0) x = at::cat({x, extra.to(at::kDouble)}, 1);
+    if (extra.defined()) x = at::cat({x, extra.to(at::kDouble)}, 1);
+    const std::int64_t free = d_.config.objective == "masked" ? x.size(1)
+                              : extra.defined()               ? extra.size(1)
+                                                              : 0;
     for (std::int64_t i = 0; i < d_.config.n_layer; ++i) {
       const std::string at = "block." + std::to_string(i) + ".";
       x = x + linear(at + "proj", attention(linear(at + "qkv", norm(at + "ln1", x)), free));
@@ -242,6 +245,73 @@ TEST(Transformer, FreeTokensSeeEverythingAndAreSeenByNoMotion) {
     other[0][token] += at::randn({d.config.n_embd});
     const at::Tensor after = model->hidden(batch, other);
     EXPECT_GT(largest_difference(after[0][length + 1 - token], with[0][length + 1 - token]), 1e-5);
+  }
+}
+
+// A window of a masked model and, as targets, what is hidden of it.
+Batch masked_batch(const ModelDescription& d, std::int64_t size, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<ModelInput> inputs;
+  std::vector<std::vector<std::int32_t>> targets;
+  for (std::int64_t b = 0; b < size; ++b) {
+    std::vector<std::int32_t> ids = full_stream(d, random);
+    ids.resize(static_cast<std::size_t>(d.config.block_size - 1));
+    targets.emplace_back(ids.size() + 1, -1);
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      if (ids[i] >= d.shape.first_bin && random.below(4) == 0) {
+        targets.back()[1 + i] = ids[i];
+        ids[i] = 1;
+      }
+    inputs.push_back(masked_input(d, {2}, ids));
+  }
+  return stack(inputs, targets);
+}
+
+TEST(MaskedTransformer, AgreesWithTheFormulasInEveryVariant) {
+  for (ModelDescription d : all_variants()) {
+    d.config.objective = "masked";
+    const auto model = random_model(d, 21);
+    const Reference reference(d, random_weights(d, 21));
+    const Batch batch = masked_batch(d, 2, 22);
+    model->train();
+    const at::Tensor expected = reference.logits(reference.hidden(batch), batch);
+    EXPECT_LT(largest_difference(logits_of(*model, batch), expected), 1e-4) << variant_name(d);
+    const at::Tensor loss = model->loss(model->hidden(batch), batch);
+    loss.sum().backward();
+    const at::Tensor picked =
+        at::log_softmax(expected, -1).gather(2, batch.target.clamp_min(0).unsqueeze(2)).squeeze(2);
+    const at::Tensor wanted = at::where(batch.target >= 0, -picked, at::zeros_like(picked));
+    EXPECT_LT(largest_difference(loss, wanted), 1e-4) << variant_name(d);
+    wanted.sum().backward();
+    for (const auto& item : model->named_parameters()) {
+      std::string name = item.key();
+      std::replace(name.begin(), name.end(), '/', '.');
+      const at::Tensor gradient = reference.weights().at(name).grad();
+      EXPECT_LT(largest_difference(item.value().grad(), gradient),
+                1e-4 * (1 + gradient.abs().max().item<double>()))
+          << name << ", " << variant_name(d);
+    }
+  }
+}
+
+TEST(MaskedTransformer, EveryPositionSeesTheWholeWindow) {
+  for (ModelDescription d : all_variants()) {
+    d.config.objective = "masked";
+    d.config.block_size = 200;
+    const auto model = random_model(d, 23);
+    Random random(24);
+    std::vector<std::int32_t> ids = full_stream(d, random);
+    ids.resize(199);
+    const at::Tensor before = logits_of(*model, stack({masked_input(d, {2}, ids)}));
+    for (const std::size_t at : {0, 60, 196}) {
+      std::vector<std::int32_t> changed = ids;
+      changed[at] = changed[at] == 5 ? 9 : 5;
+      const at::Tensor after = logits_of(*model, stack({masked_input(d, {2}, changed)}));
+      for (const std::int64_t position : {1, 100, 199})
+        EXPECT_GT(largest_difference(after.narrow(1, position, 1), before.narrow(1, position, 1)),
+                  1e-7)
+            << variant_name(d) << ", token " << at << ", position " << position;
+    }
   }
 }
 

@@ -1,0 +1,43 @@
+// Turning a motion turns every joint's position, and nothing else changes.
+#include "motion/turn.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "motion/helpers.h"
+#include "motion/skeleton.h"
+
+namespace mocaplm {
+namespace {
+
+TEST(Turn, TurnsEveryPositionAboutTheVertical) {
+  Random random(5);
+  const Clip clip = random_clip(random, 20, 60);
+  for (const double angle : {0.3, -2.0, 3.1, 6.0}) {
+    const Clip other = turned(clip, angle);
+    for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+      const JointPositions before = joint_positions(clip, t), after = joint_positions(other, t);
+      for (int j = 0; j < kJoints; ++j) {
+        EXPECT_NEAR(after(j, 0), std::cos(angle) * before(j, 0) + std::sin(angle) * before(j, 2),
+                    1e-9);
+        EXPECT_NEAR(after(j, 1), before(j, 1), 1e-9);
+        EXPECT_NEAR(after(j, 2), std::cos(angle) * before(j, 2) - std::sin(angle) * before(j, 0),
+                    1e-9);
+      }
+    }
+    EXPECT_TRUE(other.poses.rightCols(69) == clip.poses.rightCols(69));
+  }
+}
+
+TEST(Turn, TurningBackGivesTheMotion) {
+  Random random(6);
+  const Clip clip = random_clip(random, 20, 60);
+  const Clip again = turned(turned(clip, 1.1), -1.1);
+  EXPECT_LT((again.trans - clip.trans).cwiseAbs().maxCoeff(), 1e-12);
+  for (Eigen::Index t = 0; t < clip.frames(); ++t)
+    EXPECT_LT((joint_positions(again, t) - joint_positions(clip, t)).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+}  // namespace
+}  // namespace mocaplm
