@@ -4,10 +4,10 @@
 // The time model reads numbers that describe each whole frame (frame_features). Its state before a
 // frame, the features of the frame before, and the channel's own recent movement give each channel
 // an input of its own. The memory, blocks over the frames that are the same for all channels,
-// relates it to that channel's past; the channel decoder goes through the channels of the frame, each
-// of which sees what was chosen before it. So a window of 1,024 positions is 1,024 frames where the
-// flat model has 23, and a frame costs one step of the large model and as many of the small one as
-// there are channels.
+// relates it to that channel's past; the channel decoder goes through the channels of the frame,
+// each of which sees what was chosen before it. So a window of 1,024 positions is 1,024 frames
+// where the flat model has 23, and a frame costs one step of the large model and as many of the
+// small one as there are channels.
 #pragma once
 
 #include "model/transformer/language_model.h"

@@ -118,7 +118,7 @@ TEST_F(ExperimentFile, TheThesissTablesAreThere) {
   EXPECT_EQ(rows("thesis/table-4-5.json"), 4u);
   EXPECT_EQ(rows("thesis/table-4-6.json"), 4u);
   EXPECT_EQ(rows("thesis/table-4-8.json"), 1u);
-  const Experiment both = load_experiment(configs + "frames-against-flat.json");
+  const Experiment both = load_experiment(configs + "experiments/frames-against-flat.json");
   ASSERT_EQ(both.rows.size(), 2u);
   const RunConfig &flat = both.rows[0].config, &frames = both.rows[1].config;
   EXPECT_EQ(flat.model.architecture, "flat");
