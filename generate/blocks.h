@@ -56,8 +56,8 @@ class BlockStack {
   // Bytes that a thread asks for before it needs them: enough to bridge what it computes between
   // two readings, and little beside its cache.
   static constexpr std::int64_t kLead = 192 << 10;
-  // Rows from which on it pays: fewer leave the processor's own prefetching time enough (A in int8,
-  // context 512: 1,634 tokens/s without, 1,325 with; at 16 rows 2,919 and 3,378).
+  // Rows from which on it pays: with fewer, asking costs more than the processor's own prefetching
+  // leaves to gain.
   static constexpr std::int64_t kFewestAhead = 4;
   // Steps that read less than this much stay in the caches by themselves.
   static constexpr std::int64_t kCached = 2 << 20;

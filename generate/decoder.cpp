@@ -1,6 +1,8 @@
 #include "generate/decoder.h"
 
 #include <stdexcept>
+
+#include "common/error.h"
 #include "generate/flat_decoder.h"
 #include "generate/frame_decoder.h"
 
@@ -12,6 +14,8 @@ void Decoder::set_order(std::int64_t, const std::vector<int>&) {
 
 std::unique_ptr<Decoder> make_decoder(const StoredModel& model, const std::string& place,
                                       const EngineOptions& options) {
+  if (model.description.masked())
+    throw UsageError(place + " is a masked model: it fills gaps (mocaplm infill) and cannot go on");
   if (model.description.frame_positions())
     return std::make_unique<FrameDecoder>(model, place, options);
   return std::make_unique<FlatDecoder>(model, place, options);

@@ -68,7 +68,7 @@ double largest_difference(const at::Tensor& a, const at::Tensor& b) {
 // The definition once more, for one window: vectors of doubles, nothing batched.
 class Reference {
  public:
-  Reference(const ModelDescription& d, const TensorMap& weights) : d_(d), weights_(weights) {
+  Reference(const ModelDescription& d, const TensorMap& weights) : d_(d) {
     for (const auto& [name, t] : weights)
       w_[name] = at::from_blob(const_cast<float*>(t.values.data()), t.shape, at::kFloat)
                      .to(at::kDouble)
@@ -217,7 +217,6 @@ class Reference {
   }
 
   ModelDescription d_;
-  TensorMap weights_;
   std::map<std::string, at::Tensor> w_;
 };
 
