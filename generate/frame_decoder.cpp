@@ -19,8 +19,8 @@ std::int64_t feature_count(const ModelDescription& d) {
   return d.shape.channels * kFrameFeatures;
 }
 
-EngineOptions a_sequence_a_channel(EngineOptions options, const ModelDescription& d) {
-  options.sequences *= d.shape.channels;
+EngineOptions a_sequence_a_joint(EngineOptions options, const ModelDescription& d) {
+  options.sequences *= d.shape.channels / kJointChannels;
   return options;
 }
 
@@ -30,16 +30,15 @@ FrameDecoder::TimeTables::TimeTables(Weights& weights, const ModelDescription& d
     : token(weights.take("token_embedding", {d.shape.vocabulary, d.config.n_embd})),
       position(weights.take("position_embedding", {d.config.block_size, d.config.n_embd})) {}
 
-FrameDecoder::ChannelTables::ChannelTables(Weights& weights, const ModelDescription& d) {
-  const std::int64_t width = d.config.decoder_embd, rows = model_sizes(d).history_rows;
-  channel = weights.take("decoder.channel_embedding", {d.shape.channels, width});
-  time = weights.take("decoder.time_embedding", {d.config.block_size, width});
-  before = weights.take("decoder.before_embedding", {d.shape.channels + 1, width});
-  chosen = weights.take("decoder.chosen_embedding", {d.shape.vocabulary, width});
+FrameDecoder::JointTables::JointTables(Weights& weights, const ModelDescription& d) {
+  const std::int64_t width = d.config.decoder_embd, joints = d.shape.channels / kJointChannels,
+                     rows = 1 + kJointChannels * model_sizes(d).history_rows;
+  joint = weights.take("joint.embedding", {joints, width});
+  time = weights.take("joint.time_embedding", {d.config.block_size, width});
+  before = weights.take("joint.before_embedding", {joints + 1, width});
+  chosen = weights.take("joint.chosen_embedding", {1 + kJointChannels * d.shape.bins, width});
   if (!d.config.history) return;
-  surprise = weights.take("decoder.surprise", {rows, width});
-  velocity = weights.take("decoder.velocity", {rows, width});
-  last_surprise = weights.take("decoder.last_surprise", {rows, width});
+  surprise = weights.take("joint.surprise_embedding", {rows, width});
 }
 
 FrameDecoder::FrameDecoder(const StoredModel& model, const std::string& place,
@@ -62,32 +61,32 @@ FrameDecoder::FrameDecoder(const StoredModel& model, const std::string& place,
             {"", description_.config.n_layer, description_.config.n_head,
              description_.config.n_embd, description_.config.block_size},
             options_, team_, arena_),
-      channel_in_(packed(
-          weights, "channel_in", description_.shape.channels * description_.config.decoder_embd,
-          description_.config.n_embd + feature_count(description_), options.precision, arena_)),
-      own_in_(packed(weights, "decoder.own_in", description_.config.decoder_embd, kFrameFeatures,
-                     options.precision, arena_)),
+      joint_in_(packed(weights, "joint_in", joints() * description_.config.decoder_embd,
+                       description_.config.n_embd + feature_count(description_), options.precision,
+                       arena_)),
+      own_in_(packed(weights, "joint.own_in", description_.config.decoder_embd,
+                     kJointChannels * kFrameFeatures, options.precision, arena_)),
       tables_(weights, description_),
       memory_(weights,
-              {"decoder.", description_.config.memory_layer, description_.config.decoder_head,
+              {"joint.", description_.config.memory_layer, description_.config.decoder_head,
                description_.config.decoder_embd, description_.config.block_size, "memory."},
-              a_sequence_a_channel(options_, description_), team_, arena_),
-      channels_(weights,
-                {"decoder.", description_.config.decoder_layer, description_.config.decoder_head,
-                 description_.config.decoder_embd, description_.shape.channels},
-                options_, team_, arena_),
-      output_(weights, description_, description_.config.decoder_embd, options_, team_, arena_),
+              a_sequence_a_joint(options_, description_), team_, arena_),
+      joints_(weights,
+              {"joint.", description_.config.decoder_layer, description_.config.decoder_head,
+               description_.config.decoder_embd, joints(), "decoder."},
+              options_, team_, arena_),
+      channels_(weights, description_, options_, team_, arena_),
       streams_(static_cast<std::size_t>(options_.sequences)) {
   weights.finish();
-  time_.followed_by(&channel_in_);
+  time_.followed_by(&joint_in_);
   const std::int64_t wide = description_.config.n_embd, features = feature_count(description_),
                      narrow = description_.config.decoder_embd;
   scratch_.assign(static_cast<std::size_t>(team_.size()), LinearScratch(wide + features));
   features_ = room(kMaxRows, features);
   embedded_ = room(kMaxRows, wide);
   states_ = room(kMaxRows, wide + features);
-  own_ = room(kMaxRows, channel_in_.out());
-  last_ = normed_ = room(options_.sequences, narrow);
+  own_ = room(kMaxRows, joint_in_.out());
+  last_ = room(options_.sequences, narrow);
   check(model, place);
 }
 
@@ -110,7 +109,7 @@ void FrameDecoder::begin(std::int64_t sequence, const std::vector<std::int32_t>&
                          const std::vector<std::int32_t>& before) {
   at(sequence) = FrameStreamState(description_, prefix, before);
   reset_past(sequence);
-  channels_.reset(sequence);
+  joints_.reset(sequence);
 }
 
 void FrameDecoder::set_order(std::int64_t sequence, const std::vector<int>& channels) {
@@ -124,7 +123,7 @@ void FrameDecoder::push(std::int64_t sequence, std::int32_t id) {
     return;
   }
   stream.end_frame();
-  channels_.reset(sequence);
+  joints_.reset(sequence);
   const std::int64_t most = time_.capacity() - static_cast<std::int64_t>(stream.prefix().size());
   if (stream.frames() <= most) return;
   stream.keep(most / 2);
@@ -132,23 +131,18 @@ void FrameDecoder::push(std::int64_t sequence, std::int32_t id) {
 }
 
 void FrameDecoder::reset_past(std::int64_t sequence) {
-  const std::int64_t channels = description_.shape.channels;
   time_.reset(sequence);
-  for (std::int64_t c = 0; c < channels; ++c) memory_.reset(sequence * channels + c);
+  for (std::int64_t j = 0; j < joints(); ++j) memory_.reset(sequence * joints() + j);
   at(sequence).prefix_fed = false;
   at(sequence).fed = 0;
 }
 
 const std::vector<std::vector<float>>& FrameDecoder::logits(const Sequences& sequences) {
-  std::vector<std::int32_t> centre;
-  for (const std::int64_t s : sequences) {
-    assert(!at(s).frame_full());
-    centre.push_back(at(s).centre(at(s).chosen()));
-  }
   catch_up(sequences);
-  run_channels(sequences);
-  channels_.final_norm(last_.data(), static_cast<std::int64_t>(sequences.size()), normed_.data());
-  return output_.logits(normed_.data(), centre);
+  run_joints(sequences);
+  std::vector<FrameStreamState*> streams;
+  for (const std::int64_t s : sequences) streams.push_back(&at(s));
+  return channels_.logits(streams);
 }
 
 }  // namespace mocaplm

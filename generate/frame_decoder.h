@@ -1,11 +1,11 @@
 // "architecture": "frames" as a Decoder (model/transformer/frame_transformer.h): a step of the time
-// model a frame, and a step of the channel decoder a channel that is to be chosen.
+// model a frame, a step of the joint decoder a joint, and one of the last layer a channel.
 #pragma once
 
 #include "generate/blocks.h"
+#include "generate/channel_layer.h"
 #include "generate/decoder.h"
 #include "generate/frame_stream_state.h"
-#include "generate/output_layer.h"
 
 namespace mocaplm {
 
@@ -31,9 +31,9 @@ class FrameDecoder : public Decoder {
     TimeTables(Weights& weights, const ModelDescription& description);
     std::vector<float> token, position;
   };
-  struct ChannelTables {
-    ChannelTables(Weights& weights, const ModelDescription& description);
-    std::vector<float> channel, time, before, chosen, surprise, velocity, last_surprise;
+  struct JointTables {
+    JointTables(Weights& weights, const ModelDescription& description);
+    std::vector<float> joint, time, before, chosen, surprise;
   };
 
   FrameDecoder(const StoredModel& model, const std::string& place, const EngineOptions& options,
@@ -45,7 +45,8 @@ class FrameDecoder : public Decoder {
   FrameStreamState& at(std::int64_t sequence) {
     return streams_[static_cast<std::size_t>(sequence)];
   }
-  // The time model over the frames it has not seen yet, then each channel's input.
+  std::int64_t joints() const { return description_.shape.channels / kJointChannels; }
+  // The time model over the frames it has not seen yet, then each joint's and channel's input.
   void catch_up(const Sequences& sequences);
   void feed_prefix(std::int64_t sequence);
   bool feed_frames(const Sequences& sequences);
@@ -54,14 +55,12 @@ class FrameDecoder : public Decoder {
     std::int64_t sequence, frame, row;
   };
   void remember(std::vector<Reached> reached);
-  void tell_channels(const std::vector<Reached>& reached);
-  void add_own(const float* features, float* own, LinearScratch& scratch) const;
+  void tell_joints(const std::vector<Reached>& reached);
   void remember_sequence(const std::vector<Reached>& reached, std::size_t begin, std::size_t end);
-  void put_past(const FrameStreamState& stream, int channel, std::int64_t frame, float* x) const;
   void reset_past(std::int64_t sequence);
-  // The channel decoder over what was pushed of the frame, and the place of the next channel.
-  void run_channels(const Sequences& sequences);
-  void put_channel(const FrameStreamState& stream, std::size_t place, float* x) const;
+  // The joint decoder up to the joint whose channel comes next.
+  void run_joints(const Sequences& sequences);
+  void put_joint(const FrameStreamState& stream, std::size_t place, float* x) const;
 
   ModelDescription description_;
   EngineOptions options_;
@@ -70,15 +69,15 @@ class FrameDecoder : public Decoder {
   TimeTables time_tables_;
   PackedLinear frame_in_;
   BlockStack time_;
-  PackedLinear channel_in_, own_in_;
-  ChannelTables tables_;
-  BlockStack memory_;  // a sequence a channel
-  BlockStack channels_;
-  OutputLayer output_;
+  PackedLinear joint_in_, own_in_;
+  JointTables tables_;
+  BlockStack memory_;  // a sequence a joint
+  BlockStack joints_;
+  ChannelLayer channels_;
   std::vector<FrameStreamState> streams_;
   // Reused: a thread's own, and (rows, ...) that are computed together.
   std::vector<LinearScratch> scratch_;
-  std::vector<float> features_, embedded_, states_, own_, last_, normed_;
+  std::vector<float> features_, embedded_, states_, own_, last_;
 };
 
 }  // namespace mocaplm

@@ -1,5 +1,5 @@
-// The steps of a frame decoder: frames through the time model, each channel's past, the channels of
-// the frame in the making.
+// The steps of a frame decoder: frames through the time model, each joint's past, the joints of the
+// frame in the making.
 #include <algorithm>
 
 #include "generate/frame_decoder.h"
@@ -61,7 +61,7 @@ bool FrameDecoder::feed_frames(const Sequences& sequences) {
   return true;
 }
 
-// Each channel's input for the frames whose state before is reached: those of one sequence come one
+// Each joint's input for the frames whose state before is reached: those of one sequence come one
 // after the other. Without memory only each sequence's newest frame matters.
 void FrameDecoder::remember(std::vector<Reached> reached) {
   if (description_.config.memory_layer == 0)
@@ -69,7 +69,7 @@ void FrameDecoder::remember(std::vector<Reached> reached) {
         std::remove_if(reached.begin(), reached.end(),
                        [&](const Reached& one) { return one.frame < at(one.sequence).frames(); }),
         reached.end());
-  tell_channels(reached);
+  tell_joints(reached);
   for (std::size_t begin = 0, end; begin < reached.size(); begin = end) {
     for (end = begin; end < reached.size() && reached[end].sequence == reached[begin].sequence;)
       ++end;
@@ -77,108 +77,104 @@ void FrameDecoder::remember(std::vector<Reached> reached) {
   }
 }
 
-// own_ (reached, C, decoder_embd): what the time model tells each channel, and the channel's own
+// own_ (reached, J, decoder_embd): what the time model tells each joint, and the joint's own
 // numbers, read alike for all.
-void FrameDecoder::tell_channels(const std::vector<Reached>& reached) {
+void FrameDecoder::tell_joints(const std::vector<Reached>& reached) {
   const std::int64_t width = time_.width(), features = frame_in_.in();
   for (std::size_t i = 0; i < reached.size(); ++i) {
+    FrameStreamState& stream = at(reached[i].sequence);
     float* row = states_.data() + static_cast<std::int64_t>(i) * (width + features);
     time_.final_norm(time_.row(reached[i].row), 1, row);
     if (reached[i].frame > 0)
-      at(reached[i].sequence).features(reached[i].frame - 1, row + width);
+      stream.features(reached[i].frame - 1, row + width);
     else
       std::fill_n(row + width, features, 0.f);
+    if (reached[i].frame == stream.frames()) channels_.begin_frame(stream, row + width);
   }
+  const auto rows = static_cast<std::int64_t>(reached.size());
   team_.run([&](int thread) {
     LinearScratch& scratch = scratch_[static_cast<std::size_t>(thread)];
-    channel_in_.apply(states_.data(), own_.data(), static_cast<std::int64_t>(reached.size()),
-                      Store::plain, scratch, thread, team_.size());
+    joint_in_.apply(states_.data(), own_.data(), rows, Store::plain, scratch, thread, team_.size());
     team_.barrier();
-    for (auto i = static_cast<std::int64_t>(thread); i < static_cast<std::int64_t>(reached.size());
-         i += team_.size())
-      add_own(states_.data() + i * (width + features) + width, own_.data() + i * channel_in_.out(),
-              scratch);
+    for (auto i = static_cast<std::int64_t>(thread); i < rows; i += team_.size())
+      for (std::int64_t j = 0; j < joints(); j += kMaxRows)
+        own_in_.apply(states_.data() + i * (width + features) + width + j * own_in_.in(),
+                      own_.data() + i * joint_in_.out() + j * own_in_.out(),
+                      std::min(kMaxRows, joints() - j), Store::sum, scratch);
   });
 }
 
-// features (C, kFrameFeatures), own (C, decoder_embd).
-void FrameDecoder::add_own(const float* features, float* own, LinearScratch& scratch) const {
-  const std::int64_t channels = description_.shape.channels;
-  for (std::int64_t c = 0; c < channels; c += kMaxRows)
-    own_in_.apply(features + c * kFrameFeatures, own + c * own_in_.out(),
-                  std::min(kMaxRows, channels - c), Store::sum, scratch);
-}
-
-// Through the memory, channel by channel; keeps what is known of each before the newest frame.
+// Through the memory, joint by joint; keeps what is known of each before the newest frame.
 void FrameDecoder::remember_sequence(const std::vector<Reached>& reached, std::size_t begin,
                                      std::size_t end) {
   FrameStreamState& stream = at(reached[begin].sequence);
-  const std::int64_t width = memory_.width(), channels = description_.shape.channels;
+  const std::int64_t width = memory_.width();
   const bool newest = reached[end - 1].frame == stream.frames();
-  if (newest) stream.own.resize(static_cast<std::size_t>(channels * width));
-  std::vector<std::pair<std::int64_t, std::int64_t>> lasts;  // channel, row
+  if (newest) stream.joints.resize(static_cast<std::size_t>(joints() * width));
+  std::vector<std::pair<std::int64_t, std::int64_t>> lasts;  // joint, row
   std::int64_t rows = 0;
   const auto run = [&] {
     memory_.run();
-    for (const auto& [channel, row] : lasts)
-      std::copy_n(memory_.row(row), width, stream.own.data() + channel * width);
+    for (const auto& [joint, row] : lasts)
+      std::copy_n(memory_.row(row), width, stream.joints.data() + joint * width);
     lasts.clear();
     rows = 0;
   };
-  for (std::int64_t c = 0; c < channels; ++c)
+  for (std::int64_t j = 0; j < joints(); ++j)
     for (std::size_t i = begin; i < end; ++i) {
-      float* x = memory_.add(reached[i].sequence * channels + c);
-      std::copy_n(own_.data() + static_cast<std::int64_t>(i) * channel_in_.out() + c * width, width,
+      float* x = memory_.add(reached[i].sequence * joints() + j);
+      std::copy_n(own_.data() + static_cast<std::int64_t>(i) * joint_in_.out() + j * width, width,
                   x);
-      put_past(stream, static_cast<int>(c), reached[i].frame, x);
-      if (newest && i + 1 == end) lasts.emplace_back(c, rows);
+      add_row(x, tables_.joint, j, width);
+      add_row(x, tables_.time, reached[i].frame, width);
+      if (newest && i + 1 == end) lasts.emplace_back(j, rows);
       if (++rows == kMaxRows) run();
     }
   if (rows > 0) run();
   stream.ready = newest;
 }
 
-void FrameDecoder::put_past(const FrameStreamState& stream, int channel, std::int64_t frame,
-                            float* x) const {
-  const std::int64_t width = memory_.width();
-  add_row(x, tables_.channel, channel, width);
-  add_row(x, tables_.time, frame, width);
-  if (tables_.velocity.empty()) return;
-  add_row(x, tables_.velocity, stream.velocity_row(channel, frame), width);
-  add_row(x, tables_.last_surprise, stream.last_surprise_row(channel, frame), width);
-}
-
 // What was chosen just before it.
-void FrameDecoder::put_channel(const FrameStreamState& stream, std::size_t place, float* x) const {
-  const std::int64_t width = channels_.width();
-  std::copy_n(stream.own.data() + stream.order()[place] * width, width, x);
-  add_row(x, tables_.before, stream.before_row(place), width);
-  add_row(x, tables_.chosen, stream.before_id(place), width);
-  if (tables_.surprise.empty()) return;
-  add_row(x, tables_.surprise, stream.before_surprise_row(place), width);
+void FrameDecoder::put_joint(const FrameStreamState& stream, std::size_t place, float* x) const {
+  const std::int64_t width = joints_.width(), rows = model_sizes(description_).history_rows;
+  std::copy_n(stream.joints.data() + stream.joint(place) * width, width, x);
+  const bool known = place > 0;
+  const int before = known ? stream.joint(place - 1) : 0;
+  add_row(x, tables_.before, known ? before + 1 : 0, width);
+  for (int k = 0; k < kJointChannels; ++k) {
+    const int channel = before * static_cast<int>(kJointChannels) + k;
+    add_row(x, tables_.chosen,
+            known ? 1 + k * description_.shape.bins + stream.chosen_bin(channel) : 0, width);
+    if (!tables_.surprise.empty())
+      add_row(x, tables_.surprise, known ? 1 + k * rows + stream.surprise_row(channel) : 0, width);
+  }
 }
 
-void FrameDecoder::run_channels(const Sequences& sequences) {
-  const std::int64_t width = channels_.width();
-  std::vector<std::pair<std::size_t, std::int64_t>> lasts;  // index of the sequence, its last row
+void FrameDecoder::run_joints(const Sequences& sequences) {
+  const std::int64_t width = joints_.width();
+  std::vector<FrameStreamState*> begun;  // streams whose next joint is new, their states in last_
+  std::vector<std::pair<std::size_t, std::int64_t>> lasts;  // index in `begun`, its last row
   const auto run = [&] {
-    channels_.run();
+    joints_.run();
     for (const auto& [index, row] : lasts)
-      std::copy_n(channels_.row(row), width,
-                  last_.data() + static_cast<std::int64_t>(index) * width);
+      std::copy_n(joints_.row(row), width, last_.data() + static_cast<std::int64_t>(index) * width);
     lasts.clear();
   };
   std::int64_t rows = 0;
-  for (std::size_t i = 0; i < sequences.size(); ++i) {
-    FrameStreamState& stream = at(sequences[i]);
-    for (auto place = static_cast<std::size_t>(channels_.length(sequences[i]));
-         place <= stream.chosen(); ++place) {
-      put_channel(stream, place, channels_.add(sequences[i]));
-      if (place == stream.chosen()) lasts.emplace_back(i, rows);
+  for (const std::int64_t s : sequences) {
+    FrameStreamState& stream = at(s);
+    const std::size_t next = stream.chosen() / kJointChannels;
+    for (auto place = static_cast<std::size_t>(joints_.length(s)); place <= next; ++place) {
+      put_joint(stream, place, joints_.add(s));
+      if (place == next) {
+        lasts.emplace_back(begun.size(), rows);
+        begun.push_back(&stream);
+      }
       if (++rows == kMaxRows) run(), rows = 0;
     }
   }
   if (rows > 0) run();
+  if (!begun.empty()) channels_.begin_joints(begun, last_.data());
 }
 
 }  // namespace mocaplm

@@ -28,6 +28,9 @@ FrameStreamState::FrameStreamState(const ModelDescription& description,
 
 void FrameStreamState::set_order(const std::vector<int>& channels) {
   assert(chosen_ == 0 && channels.size() == order_.size());
+  for (std::size_t i = 0; i < channels.size(); ++i)  // joint after joint
+    assert(channels[i] % kJointChannels == static_cast<int>(i % kJointChannels) &&
+           (i % kJointChannels == 0 || channels[i] == channels[i - 1] + 1));
   order_ = channels;
 }
 
@@ -101,19 +104,8 @@ std::int32_t FrameStreamState::last_surprise_row(int channel, std::int64_t t) co
   return now == kNoCentre || before == kNoCentre ? 0 : row(now - before);
 }
 
-std::int32_t FrameStreamState::before_row(std::size_t place) const {
-  return place == 0 ? 0 : order_[place - 1] + 1;
-}
-
-std::int32_t FrameStreamState::before_id(std::size_t place) const {
-  if (place == 0)
-    return frames() == 0 ? prefix_.back() : static_cast<std::int32_t>(shape_.first_bin) - 1;
-  return bin(order_[place - 1], 0) + static_cast<std::int32_t>(shape_.first_bin);
-}
-
-std::int32_t FrameStreamState::before_surprise_row(std::size_t place) const {
-  if (place == 0) return 0;
-  const std::int32_t now = bin(order_[place - 1], 0), before = expected(order_[place - 1], 0);
+std::int32_t FrameStreamState::surprise_row(int channel) const {
+  const std::int32_t now = bin(channel, 0), before = expected(channel, 0);
   return before == kNoCentre ? 0 : row(now - before);
 }
 

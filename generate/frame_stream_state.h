@@ -36,17 +36,18 @@ class FrameStreamState {
   std::int32_t last_surprise_row(int channel, std::int64_t t) const;
   // Of the channel at a place of the order, in the unfinished frame.
   std::int32_t centre(std::size_t place) const;
-  // Of the channel chosen just before it: row of the "before" embedding (0: none), id (the
-  // separator's or the prefix's last where there is none), surprise.
-  std::int32_t before_row(std::size_t place) const;
-  std::int32_t before_id(std::size_t place) const;
-  std::int32_t before_surprise_row(std::size_t place) const;
 
-  // What the decoder keeps of it: positions that the time model has, and each channel's input
-  // (C, decoder_embd) once the state before this frame is known.
+  int joint(std::size_t place) const { return order_[place * kJointChannels] / kJointChannels; }
+  // Of a channel of the unfinished frame that was chosen.
+  std::int32_t chosen_bin(int channel) const { return bin(channel, 0); }
+  std::int32_t surprise_row(int channel) const;
+
+  // What the decoder keeps of it: frames that the time model has; once the state before this frame
+  // is known, each joint's and each channel's input (J and C, decoder_embd); what the state of the
+  // joint in the making tells its channels (kJointChannels, decoder_embd).
   bool prefix_fed = false, ready = false;
-  std::int64_t fed = 0;  // frames of the window
-  std::vector<float> own;
+  std::int64_t fed = 0;
+  std::vector<float> joints, channels, told;
 
  private:
   // Bin of a channel `back` frames before the unfinished one; kNoCentre where there is none.

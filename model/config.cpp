@@ -24,6 +24,9 @@ void check_model(const ModelDescription& d) {
   check_divides("n_head", c.n_head, "n_embd", c.n_embd);
   if (d.frame_positions())
     check_divides("decoder_head", c.decoder_head, "decoder_embd", c.decoder_embd);
+  if (d.frame_positions() && d.shape.channels % kJointChannels != 0)
+    throw UsageError("\"frames\" decides three channels together, and the tokenizer has " +
+                     std::to_string(d.shape.channels) + ": expected a multiple of three");
   if (d.masked() && d.frame_positions())
     throw UsageError(
         "objective masked needs architecture flat: a model of frames has no positions "
@@ -131,15 +134,24 @@ double frames_parameters(const ModelDescription& d, double width, double outputs
   const ModelConfig& c = d.config;
   const auto vocabulary = static_cast<double>(d.shape.vocabulary),
              channels = static_cast<double>(d.shape.channels),
+             context = static_cast<double>(c.block_size),
              narrow = static_cast<double>(c.decoder_embd);
-  const double features = channels * kFrameFeatures;
-  // Of the channel decoder's tables, and of own_in with its bias.
-  double rows = vocabulary + 2 * channels + 1 + kFrameFeatures + 1;
-  if (c.history) rows += 3 * static_cast<double>(model_sizes(d).history_rows);
-  return (vocabulary + static_cast<double>(c.block_size) + features + 1) * width +
-         block_parameters(width, c.n_layer) + (width + features + 1) * channels * narrow +
-         (rows + static_cast<double>(c.block_size)) * narrow - 2 * narrow +
-         block_parameters(narrow, c.memory_layer) + block_parameters(narrow, c.decoder_layer) +
+  const double features = channels * kFrameFeatures, joints = channels / kJointChannels;
+  const double time =
+      (vocabulary + context + features + 1) * width + block_parameters(width, c.n_layer);
+  const double joint_in = (width + features + 1) * joints * narrow;
+  // Rows of tables and inputs of linear layers, all `narrow` wide: of joints, then of channels.
+  double rows = (kJointChannels * kFrameFeatures + 1) + 2 * joints + 1 + context;
+  rows += kJointChannels * (narrow + 1) + (kFrameFeatures + 1) + channels;
+  constexpr double kChosen = 2 * kJointChannels - 1;
+  rows += kChosen * static_cast<double>(d.shape.bins) + 2;
+  if (c.history) {
+    const auto history = static_cast<double>(model_sizes(d).history_rows);
+    rows += kChosen * history + 2 + 2 * history;
+  }
+  const double feed_forward = narrow * (kFeedForward * (2 * narrow + 1) + 5);
+  return time + joint_in + rows * narrow + block_parameters(narrow, c.memory_layer) +
+         block_parameters(narrow, c.decoder_layer) - 4 * narrow + feed_forward +
          outputs * (narrow + 1);
 }
 

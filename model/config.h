@@ -108,6 +108,11 @@ std::int64_t frames_in_window(const ModelDescription& description, std::int64_t 
 // Tokens of such a window, prefix included: "flat" also has the beginning of one more frame.
 std::int64_t tokens_in_window(const ModelDescription& description, std::int64_t reserve = 0);
 
+// "frames": channels that are decided together, a joint's rotation or the root's translation.
+constexpr std::int64_t kJointChannels = 3;
+// "frames": width of the layer that decides a channel within its joint, over decoder_embd.
+constexpr std::int64_t kFeedForward = 2;
+
 // Shapes that both the trainable model and the decoding engine derive from a description.
 struct ModelSizes {
   std::int64_t frame_positions;    // of a window: 0 for the prefix, then 1, 2, ...

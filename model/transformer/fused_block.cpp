@@ -11,19 +11,6 @@ namespace {
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
-// The gradients of a layer norm's weight and bias, summed block of rows by block of rows.
-struct NormSums {
-  NormSums(std::int64_t rows, std::int64_t columns)
-      : width(columns),
-        parts(at::zeros({(rows + cpu::kBlockRows - 1) / cpu::kBlockRows, 2, columns}, at::kFloat)) {
-  }
-  float* weight(std::int64_t part) const { return floats(parts) + 2 * part * width; }
-  float* bias(std::int64_t part) const { return weight(part) + width; }
-
-  std::int64_t width;
-  at::Tensor parts;
-};
-
 // One pass through a block: M = B T rows of width C.
 struct Pass : torch::CustomClassHolder {
   Pass(const BlockWeights& weights, const at::Tensor& given, const BlockOptions& o)

@@ -54,6 +54,19 @@ inline cpu::Product times(const at::Tensor& dy, const LinearWeights& w) {
   return {halves(dy), dy.size(1), halves(w.packed->backward(w.weight)), w.weight.size(1)};
 }
 
+// The gradients of a layer norm's weight and bias, summed block of rows by block of rows.
+struct NormSums {
+  NormSums(std::int64_t rows, std::int64_t columns)
+      : width(columns),
+        parts(at::zeros({(rows + cpu::kBlockRows - 1) / cpu::kBlockRows, 2, columns}, at::kFloat)) {
+  }
+  float* weight(std::int64_t part) const { return floats(parts) + 2 * part * width; }
+  float* bias(std::int64_t part) const { return weight(part) + width; }
+
+  std::int64_t width;
+  at::Tensor parts;
+};
+
 struct LinearGradient {
   at::Tensor weight, bias;
 };

@@ -95,6 +95,16 @@ std::vector<BlockWeights> LanguageModel::make_blocks(const std::string& prefix, 
   return blocks;
 }
 
+FeedForwardWeights LanguageModel::make_feed_forward(const std::string& prefix, std::int64_t width,
+                                                    std::int64_t wide) {
+  FeedForwardWeights w;
+  w.ln_w = make(prefix + "ln1.weight", {width}, 0, 1);
+  w.ln_b = make(prefix + "ln1.bias", {width}, 0);
+  w.up = make_linear(prefix + "up", wide, width);
+  w.down = make_linear(prefix + "down", width, wide, kDeviation / std::sqrt(2.0));
+  return w;
+}
+
 LanguageModel::LanguageModel(const ModelDescription& description) : description_(description) {
   check_model(description);
 }

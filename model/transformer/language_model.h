@@ -7,6 +7,7 @@
 #include "model/config.h"
 #include "model/input.h"
 #include "model/transformer/block.h"
+#include "model/transformer/feed_forward.h"
 #include "model/transformer/output.h"
 #include "model/transformer/torch.h"
 
@@ -56,6 +57,8 @@ class LanguageModel : public torch::nn::Module {
   // prefix0. , prefix1. , ...
   std::vector<BlockWeights> make_blocks(const std::string& prefix, std::int64_t layers,
                                         std::int64_t width);
+  FeedForwardWeights make_feed_forward(const std::string& prefix, std::int64_t width,
+                                       std::int64_t wide);
   at::Tensor drop(const at::Tensor& x) const;
   at::Tensor run_blocks(const std::vector<BlockWeights>& blocks, at::Tensor x, std::int64_t heads,
                         std::int64_t free) const;

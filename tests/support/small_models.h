@@ -30,7 +30,7 @@ inline ModelDescription small_description(const std::string& position = "custom"
   return d;
 }
 
-// "frames": 2 and 2 layers, widths 16 and 8, up to 8 frames of 3 channels beside a prefix of 1.
+// "frames": 2 and 2 layers, widths 16 and 8, up to 8 frames of 2 joints beside a prefix of 1.
 inline ModelDescription small_frames_description(const std::string& output = "extrapolation",
                                                  bool history = true) {
   ModelDescription d = small_description("custom", output, history);
@@ -39,6 +39,7 @@ inline ModelDescription small_frames_description(const std::string& output = "ex
   d.config.decoder_layer = 2;
   d.config.decoder_head = 2;
   d.config.decoder_embd = 8;
+  d.shape.channels = 6;
   return d;
 }
 
@@ -116,21 +117,31 @@ class RandomWeights {
 
 inline void add_frames_weights(RandomWeights& w, const ModelDescription& d) {
   const ModelConfig& c = d.config;
-  const std::int64_t channels = d.shape.channels, features = channels * kFrameFeatures;
+  const std::int64_t channels = d.shape.channels, features = channels * kFrameFeatures,
+                     joints = channels / 3, narrow = c.decoder_embd, rows = 2 * c.reach + 2;
   w.add("position_embedding", {c.block_size, c.n_embd});
   w.linear("frame_in", c.n_embd, features, 0.1);
-  w.linear("channel_in", channels * c.decoder_embd, c.n_embd + features, 0.1);
-  w.linear("decoder.own_in", c.decoder_embd, kFrameFeatures);
-  w.add("decoder.channel_embedding", {channels, c.decoder_embd});
-  w.add("decoder.before_embedding", {channels + 1, c.decoder_embd});
-  w.add("decoder.chosen_embedding", {d.shape.vocabulary, c.decoder_embd});
-  if (c.history)
-    for (const char* name : {"surprise", "velocity", "last_surprise"})
-      w.add(std::string("decoder.") + name, {2 * c.reach + 2, c.decoder_embd});
-  w.add("decoder.time_embedding", {c.block_size, c.decoder_embd});
-  w.blocks("decoder.memory.", c.memory_layer, c.decoder_embd);
-  w.blocks("decoder.block.", c.decoder_layer, c.decoder_embd);
-  w.norm("decoder.ln", c.decoder_embd);
+  w.linear("joint_in", joints * narrow, c.n_embd + features, 0.1);
+  w.linear("joint.own_in", narrow, 3 * kFrameFeatures, 0.2);
+  w.add("joint.embedding", {joints, narrow});
+  w.add("joint.before_embedding", {joints + 1, narrow});
+  w.add("joint.chosen_embedding", {1 + 3 * d.shape.bins, narrow});
+  w.add("joint.time_embedding", {c.block_size, narrow});
+  w.blocks("joint.memory.", c.memory_layer, narrow);
+  w.blocks("joint.decoder.", c.decoder_layer, narrow);
+  w.linear("channel.in", 3 * narrow, narrow);
+  w.linear("channel.own_in", narrow, kFrameFeatures);
+  w.add("channel.embedding", {channels, narrow});
+  w.add("channel.chosen_embedding", {1 + 2 * d.shape.bins, narrow});
+  w.norm("channel.ln1", narrow);
+  w.linear("channel.up", 2 * narrow, narrow);
+  w.linear("channel.down", narrow, 2 * narrow);
+  w.norm("channel.ln2", narrow);
+  if (!c.history) return;
+  w.add("joint.surprise_embedding", {1 + 3 * rows, narrow});
+  w.add("channel.surprise_embedding", {1 + 2 * rows, narrow});
+  w.add("channel.velocity_embedding", {rows, narrow});
+  w.add("channel.last_surprise_embedding", {rows, narrow});
 }
 
 inline void add_flat_weights(RandomWeights& w, const ModelDescription& d) {

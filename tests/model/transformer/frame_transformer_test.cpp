@@ -78,9 +78,9 @@ class Reference {
   const std::map<std::string, at::Tensor>& weights() const { return w_; }
 
   // Logits (V) of the next token of a window with these positions (prefix of one token).
-  // The last frame's channels come in `order`.
+  // The last frame's joints come in `order`.
   at::Tensor next(const ModelInput& in, std::size_t positions,
-                  const std::vector<std::size_t>& order = {0, 1, 2}) const {
+                  const std::vector<std::size_t>& order = {0, 1}) const {
     const auto per_frame = static_cast<std::size_t>(d_.shape.tokens_per_frame());
     const std::size_t frame = (positions - 1) / per_frame, channel = (positions - 1) % per_frame;
     std::vector<at::Tensor> x = {row("token_embedding", in.token[0]) +
@@ -91,22 +91,21 @@ class Reference {
     const at::Tensor states =
         norm("ln", blocks("block.", d_.config.n_layer, d_.config.n_head, at::stack(x)));
     const at::Tensor known = past(in, frame, states);
+    std::vector<std::size_t> chosen(3, 0);  // positions of the tokens of the joint before
     std::vector<at::Tensor> y;
-    std::size_t chosen = frame * per_frame;  // the position of what was chosen last
     std::size_t behind = 0;
-    for (const std::size_t c : order) {
-      const std::size_t p = frame * per_frame + c;  // the position before this channel
-      at::Tensor one = known[static_cast<std::int64_t>(c)] +
-                       row("decoder.before_embedding", static_cast<std::int64_t>(behind)) +
-                       row("decoder.chosen_embedding", in.token[chosen]);
-      if (d_.config.history) one = one + row("decoder.surprise", in.surprise[chosen]);
+    for (const std::size_t joint : order) {
+      at::Tensor one = known[static_cast<std::int64_t>(joint)] +
+                       row("joint.before_embedding", static_cast<std::int64_t>(behind));
+      for (std::size_t k = 0; k < 3; ++k) one = one + chosen_rows("joint.", k, in, chosen[k]);
       y.push_back(one);
-      if (c == channel) break;
-      chosen = p + 1;
-      behind = c + 1;
+      if (joint == channel / 3) break;
+      for (std::size_t k = 0; k < 3; ++k) chosen[k] = frame * per_frame + 3 * joint + k + 1;
+      behind = joint + 1;
     }
-    const at::Tensor last = norm("decoder.ln", blocks("decoder.block.", d_.config.decoder_layer,
-                                                      d_.config.decoder_head, at::stack(y)))[-1];
+    const at::Tensor state =
+        blocks("joint.decoder.", d_.config.decoder_layer, d_.config.decoder_head, at::stack(y))[-1];
+    const at::Tensor last = channel_state(in, frame, channel, state);
     at::Tensor logits = linear("head", last);
     const std::int64_t centre = in.centre[positions - 1];
     if (d_.config.output != "extrapolation" || centre == kNoCentre) return logits;
@@ -125,31 +124,60 @@ class Reference {
   }
 
  private:
-  // What is known of each channel before the last of these frames, (C, width): one channel after
-  // the other through the memory.
-  at::Tensor past(const ModelInput& in, std::size_t frame, const at::Tensor& states) const {
+  // What the token at this position, chosen for a joint's k-th channel, adds to what comes after
+  // it; position 0: none.
+  at::Tensor chosen_rows(const std::string& name, std::size_t k, const ModelInput& in,
+                         std::size_t position) const {
+    const auto which = static_cast<std::int64_t>(k);
+    const bool known = position > 0;
+    const at::Tensor token =
+        row(name + "chosen_embedding",
+            known ? 1 + which * d_.shape.bins + in.token[position] - d_.shape.first_bin : 0);
+    if (!d_.config.history) return token;
+    return token + row(name + "surprise_embedding",
+                       known ? 1 + which * (2 * d_.config.reach + 2) + in.surprise[position] : 0);
+  }
+
+  // The last layer: from a joint's state to the state that decides one of its channels.
+  at::Tensor channel_state(const ModelInput& in, std::size_t frame, std::size_t channel,
+                           const at::Tensor& joint) const {
     const auto per_frame = static_cast<std::size_t>(d_.shape.tokens_per_frame());
+    const auto c = static_cast<std::int64_t>(channel);
+    at::Tensor x = linear("channel.in", joint).view({3, d_.config.decoder_embd})[c % 3] +
+                   linear("channel.own_in",
+                          features_before(in, frame).view({d_.shape.channels, kFrameFeatures})[c]) +
+                   row("channel.embedding", c);
+    const std::size_t p = frame * per_frame + channel;  // the position before this channel
+    if (d_.config.history)
+      x = x + row("channel.velocity_embedding", in.velocity[p]) +
+          row("channel.last_surprise_embedding", in.last_surprise[p]);
+    for (std::size_t k = 0; k < 2; ++k)
+      x = x + chosen_rows("channel.", k, in, k < channel % 3 ? p - channel % 3 + k + 1 : 0);
+    const at::Tensor up = linear("channel.up", norm("channel.ln1", x));
+    return norm("channel.ln2", x + linear("channel.down", gelu(up)));
+  }
+
+  at::Tensor features_before(const ModelInput& in, std::size_t frame) const {
+    return frame > 0 ? features(in, frame - 1)
+                     : at::zeros({d_.shape.channels * kFrameFeatures}, at::kDouble);
+  }
+
+  // What is known of each joint before the last of these frames, (J, width): one joint after the
+  // other through the memory.
+  at::Tensor past(const ModelInput& in, std::size_t frame, const at::Tensor& states) const {
+    const std::int64_t joints = d_.shape.channels / 3;
     std::vector<at::Tensor> known;
-    for (std::int64_t c = 0; c < d_.shape.channels; ++c) {
+    for (std::int64_t j = 0; j < joints; ++j) {
       std::vector<at::Tensor> x;
       for (std::size_t t = 0; t <= frame; ++t) {
-        const at::Tensor before =
-            t > 0 ? features(in, t - 1)
-                  : at::zeros({d_.shape.channels * kFrameFeatures}, at::kDouble);
+        const at::Tensor before = features_before(in, t);
         const auto f = static_cast<std::int64_t>(t);
-        at::Tensor one =
-            linear("channel_in", at::cat({states[f], before}))
-                .view({d_.shape.channels, d_.config.decoder_embd})[c] +
-            linear("decoder.own_in", before.view({d_.shape.channels, kFrameFeatures})[c]) +
-            row("decoder.channel_embedding", c) + row("decoder.time_embedding", f);
-        const std::size_t p = t * per_frame + static_cast<std::size_t>(c);
-        // Behind the window's end nothing asks for it.
-        if (d_.config.history && p < in.size())
-          one = one + row("decoder.velocity", in.velocity[p]) +
-                row("decoder.last_surprise", in.last_surprise[p]);
-        x.push_back(one);
+        x.push_back(linear("joint_in", at::cat({states[f], before}))
+                        .view({joints, d_.config.decoder_embd})[j] +
+                    linear("joint.own_in", before.view({joints, 3 * kFrameFeatures})[j]) +
+                    row("joint.embedding", j) + row("joint.time_embedding", f));
       }
-      known.push_back(blocks("decoder.memory.", d_.config.memory_layer, d_.config.decoder_head,
+      known.push_back(blocks("joint.memory.", d_.config.memory_layer, d_.config.decoder_head,
                              at::stack(x))[-1]);
     }
     return at::stack(known);
@@ -196,10 +224,11 @@ class Reference {
       const std::string at = name + std::to_string(i) + ".";
       x = x + linear(at + "proj", attention(linear(at + "qkv", norm(at + "ln1", x)), heads));
       const at::Tensor up = linear(at + "up", norm(at + "ln2", x));
-      x = x + linear(at + "down", 0.5 * up * (1 + at::erf(up / std::sqrt(2))));
+      x = x + linear(at + "down", gelu(up));
     }
     return x;
   }
+  static at::Tensor gelu(const at::Tensor& x) { return 0.5 * x * (1 + at::erf(x / std::sqrt(2))); }
   static at::Tensor attention(const at::Tensor& qkv, std::int64_t heads) {
     const std::int64_t length = qkv.size(0), width = qkv.size(1) / 3, head = width / heads;
     const at::Tensor mask =
@@ -228,7 +257,7 @@ TEST(FrameTransformer, AgreesWithItsDefinitionAtEveryPosition) {
     const at::Tensor logits = logits_of(*model, stack({input}))[0];
     ASSERT_EQ(logits.size(0), static_cast<std::int64_t>(input.size()));
     for (std::size_t p = 1; p <= input.size(); ++p) {
-      if ((p - 1) % 4 == 3) continue;  // the separator comes next
+      if ((p - 1) % 7 == 6) continue;  // the separator comes next
       EXPECT_LT(
           largest_difference(logits[static_cast<std::int64_t>(p) - 1], reference.next(input, p)),
           1e-4)
@@ -241,13 +270,13 @@ TEST(FrameTransformer, AgreesWithItsDefinitionInAnotherOrder) {
   const ModelDescription d = small_frames_description();
   const auto model = std::dynamic_pointer_cast<FrameTransformer>(random_model(d, 1));
   const Reference reference(d, random_weights(d, 1));
-  model->set_order({2, 0, 1});
+  model->set_order({1, 0});
   const ModelInput input = window(d, random_ids(d, 2));
   const at::Tensor logits = logits_of(*model, stack({input}))[0];
-  for (std::size_t p = 1; p < input.size() - 4; ++p) {
-    if ((p - 1) % 4 == 3) continue;
+  for (std::size_t p = 1; p < input.size() - 7; ++p) {
+    if ((p - 1) % 7 == 6) continue;
     EXPECT_LT(largest_difference(logits[static_cast<std::int64_t>(p) - 1],
-                                 reference.next(input, p, {2, 0, 1})),
+                                 reference.next(input, p, {1, 0})),
               1e-4)
         << p;
   }
@@ -255,7 +284,6 @@ TEST(FrameTransformer, AgreesWithItsDefinitionInAnotherOrder) {
 
 TEST(FrameTransformer, OrdersDrawnInTrainingGiveTheLossOfThatOrder) {
   ModelDescription d = small_frames_description();
-  d.shape.channels = 6;  // two joints
   d.config.shown_first = 1;
   const auto model = std::dynamic_pointer_cast<FrameTransformer>(random_model(d, 3));
   Random random(4);
@@ -267,7 +295,7 @@ TEST(FrameTransformer, OrdersDrawnInTrainingGiveTheLossOfThatOrder) {
   const at::NoGradGuard no_grad;
   const auto total = [&] { return model->loss(model->hidden(batch), batch).sum().item<double>(); };
   const double kept = total();
-  model->set_order({3, 4, 5, 0, 1, 2});
+  model->set_order({1, 0});
   const double turned = total();
   ASSERT_GT(std::abs(kept - turned), 1e-2);
   model->train();
@@ -291,7 +319,7 @@ TEST(FrameTransformer, TheSeparatorIsCertainAndCostsNothing) {
   const at::Tensor logs = at::log_softmax(logits_of(*model, batch), -1);
   const at::NoGradGuard no_grad;
   const at::Tensor loss = model->loss(model->hidden(batch), batch);
-  for (std::int64_t p = 3; p < batch.token.size(1); p += 4) {
+  for (std::int64_t p = 6; p < batch.token.size(1); p += 7) {
     EXPECT_EQ(logs[0][p][3].item<float>(), 0) << p;
     EXPECT_EQ(loss[0][p].item<float>(), 0) << p;
   }
@@ -322,7 +350,7 @@ TEST(FrameTransformer, GradientsOfEveryParameterAgreeWithTheDefinition) {
     model->loss(model->hidden(batch), batch).sum().backward();
     at::Tensor total = at::zeros({}, at::kDouble);
     for (std::size_t p = 1; p < input.size(); ++p)
-      if ((p - 1) % 4 != 3)
+      if ((p - 1) % 7 != 6)
         total = total - at::log_softmax(reference.next(input, p), -1)[input.token[p]];
     total.backward();
     for (const auto& item : model->named_parameters()) {
@@ -343,16 +371,16 @@ TEST(FrameTransformer, ATokenNeverChangesWhatComesBeforeIt) {
     const Ids ids = random_ids(d, 8);
     const at::Tensor before = logits_of(*model, stack({window(d, ids)}));
     for (std::size_t at = 0; at + 1 < window(d, ids).size(); ++at) {
-      if (at % 4 == 3) continue;  // a separator is always one
+      if (at % 7 == 6) continue;  // a separator is always one
       Ids changed = ids;
-      std::int32_t& id = changed[at + static_cast<std::size_t>(kBefore) * 4];
+      std::int32_t& id = changed[at + static_cast<std::size_t>(kBefore) * 7];
       id = id == 5 ? 9 : 5;
       const at::Tensor after = logits_of(*model, stack({window(d, changed)}));
       const auto position = static_cast<std::int64_t>(at) + 1;
       EXPECT_LT(largest_difference(after.narrow(1, 0, position), before.narrow(1, 0, position)),
                 1e-6)
           << variant_name(d) << ", token " << at;
-      const std::int64_t next = at % 4 == 2 ? position + 1 : position;  // behind the separator
+      const std::int64_t next = at % 7 == 5 ? position + 1 : position;  // behind the separator
       if (next < before.size(1)) {
         EXPECT_GT(largest_difference(after.select(1, next), before.select(1, next)), 1e-5)
             << variant_name(d) << ", token " << at;
@@ -366,7 +394,7 @@ TEST(FrameTransformer, AnUnfinishedFrameIsReadAsFarAsItGoes) {
   const auto model = random_model(d, 9);
   const Ids ids = random_ids(d, 10);
   const at::Tensor whole = logits_of(*model, stack({window(d, ids)}))[0];
-  for (std::size_t count = 1; count <= 12; ++count) {
+  for (std::size_t count = 1; count <= 21; ++count) {
     const at::Tensor part = logits_of(*model, stack({window(d, ids, count)}))[0];
     ASSERT_EQ(part.size(0), static_cast<std::int64_t>(count) + 1);
     EXPECT_LT(largest_difference(part, whole.slice(0, 0, part.size(0))), 1e-5) << count;
@@ -378,7 +406,7 @@ TEST(FrameTransformer, FreeTokensSeeEveryFrameAndAreSeenByNone) {
   const auto model = random_model(d, 11);
   const at::NoGradGuard no_grad;
   Ids ids = random_ids(d, 12);
-  const Batch batch = stack({window(d, ids, 28)});  // 7 frames
+  const Batch batch = stack({window(d, ids, 49)});  // 7 frames
   at::manual_seed(13);
   const at::Tensor extra = at::randn({1, 1, d.config.n_embd});
   const at::Tensor with = model->hidden(batch, extra);
@@ -386,9 +414,9 @@ TEST(FrameTransformer, FreeTokensSeeEveryFrameAndAreSeenByNone) {
   EXPECT_LT(largest_difference(with.slice(1, 0, 8), model->hidden(batch)), 1e-6);
   for (std::size_t frame = 0; frame < 7; ++frame) {
     Ids changed = ids;
-    std::int32_t& id = changed[(static_cast<std::size_t>(kBefore) + frame) * 4 + 1];
+    std::int32_t& id = changed[(static_cast<std::size_t>(kBefore) + frame) * 7 + 1];
     id = id == 5 ? 9 : 5;
-    const at::Tensor after = model->hidden(stack({window(d, changed, 28)}), extra);
+    const at::Tensor after = model->hidden(stack({window(d, changed, 49)}), extra);
     EXPECT_GT(largest_difference(after[0][8], with[0][8]), 1e-5) << frame;
   }
 }
