@@ -52,11 +52,11 @@ struct ModelConfig {
               "bins on each side of the extrapolation with a logit of their own");
     v.boolean("history", history, "embed each channel's own recent movement beside the tokens");
     v.integer("memory_layer", memory_layer, 0, 32,
-              "frames: blocks that read each channel's own past, alike for all channels");
-    v.integer("decoder_layer", decoder_layer, 1, 32, "frames: blocks of the channel decoder");
+              "frames: blocks that read each joint's own past, alike for all joints");
+    v.integer("decoder_layer", decoder_layer, 1, 32, "frames: blocks of the joint decoder");
     v.integer("decoder_head", decoder_head, 1, 64,
-              "frames: attention heads of the channel decoder; divides decoder_embd");
-    v.integer("decoder_embd", decoder_embd, 8, 2048, "frames: width of the channel decoder");
+              "frames: attention heads of the joint decoder; divides decoder_embd");
+    v.integer("decoder_embd", decoder_embd, 8, 2048, "frames: width of the joint decoder");
     v.number("shown_first", shown_first, 0, 1,
              "frames: share of the training in which random joints of a frame come before the "
              "others, as prompted joints do");
