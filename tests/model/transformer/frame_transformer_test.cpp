@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "model/transformer/weights.h"
+#include "support/plain_transformer.h"
 #include "support/small_models.h"
 
 namespace mocaplm {
@@ -66,16 +66,10 @@ double largest_difference(const at::Tensor& a, const at::Tensor& b) {
 }
 
 // The definition once more, for one window: vectors of doubles, nothing batched.
-class Reference {
+class Reference : public PlainTransformer {
  public:
-  Reference(const ModelDescription& d, const TensorMap& weights) : d_(d) {
-    for (const auto& [name, t] : weights)
-      w_[name] = at::from_blob(const_cast<float*>(t.values.data()), t.shape, at::kFloat)
-                     .to(at::kDouble)
-                     .clone()
-                     .set_requires_grad(true);
-  }
-  const std::map<std::string, at::Tensor>& weights() const { return w_; }
+  Reference(const ModelDescription& d, const TensorMap& weights)
+      : PlainTransformer(weights), d_(d) {}
 
   // Logits (V) of the next token of a window with these positions (prefix of one token).
   // The last frame's joints come in `order`.
@@ -209,44 +203,7 @@ class Reference {
     }
     return at::tensor(values, at::kDouble);
   }
-  at::Tensor row(const std::string& name, std::int64_t index) const { return w_.at(name)[index]; }
-  at::Tensor linear(const std::string& name, const at::Tensor& x) const {
-    return at::matmul(x, w_.at(name + ".weight").t()) + w_.at(name + ".bias");
-  }
-  at::Tensor norm(const std::string& name, const at::Tensor& x) const {
-    const at::Tensor centred = x - x.mean({-1}, true);
-    return centred / (centred.square().mean({-1}, true) + 1e-5).sqrt() * w_.at(name + ".weight") +
-           w_.at(name + ".bias");
-  }
-  at::Tensor blocks(const std::string& name, std::int64_t layers, std::int64_t heads,
-                    at::Tensor x) const {
-    for (std::int64_t i = 0; i < layers; ++i) {
-      const std::string at = name + std::to_string(i) + ".";
-      x = x + linear(at + "proj", attention(linear(at + "qkv", norm(at + "ln1", x)), heads));
-      const at::Tensor up = linear(at + "up", norm(at + "ln2", x));
-      x = x + linear(at + "down", gelu(up));
-    }
-    return x;
-  }
-  static at::Tensor gelu(const at::Tensor& x) { return 0.5 * x * (1 + at::erf(x / std::sqrt(2))); }
-  static at::Tensor attention(const at::Tensor& qkv, std::int64_t heads) {
-    const std::int64_t length = qkv.size(0), width = qkv.size(1) / 3, head = width / heads;
-    const at::Tensor mask =
-        at::full({length, length}, -std::numeric_limits<double>::infinity(), at::kDouble).triu(1);
-    std::vector<at::Tensor> outs;
-    for (std::int64_t h = 0; h < heads; ++h) {
-      const auto part = [&](std::int64_t which) {
-        return qkv.narrow(1, which * width + h * head, head);
-      };
-      const at::Tensor scores =
-          at::matmul(part(0), part(1).t()) / std::sqrt(static_cast<double>(head));
-      outs.push_back(at::matmul(at::softmax(scores + mask, -1), part(2)));
-    }
-    return at::cat(outs, 1);
-  }
-
   ModelDescription d_;
-  std::map<std::string, at::Tensor> w_;
 };
 
 TEST(FrameTransformer, AgreesWithItsDefinitionAtEveryPosition) {

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "model/masked_input.h"
 #include "model/transformer/weights.h"
+#include "support/plain_transformer.h"
 #include "support/small_models.h"
 
 namespace mocaplm {
@@ -54,17 +54,11 @@ double largest_difference(const at::Tensor& a, const at::Tensor& b) {
   return (a.to(at::kDouble) - b.to(at::kDouble)).abs().max().item<double>();
 }
 
-// The model written down a second time: whole matrices, double precision, no blocks, no fusing.
-class Reference {
+// The model written down a second time.
+class Reference : public PlainTransformer {
  public:
-  Reference(const ModelDescription& d, const TensorMap& weights) : d_(d) {
-    for (const auto& [name, tensor] : weights)
-      w_[name] = at::from_blob(const_cast<float*>(tensor.values.data()), tensor.shape, at::kFloat)
-                     .to(at::kDouble)
-                     .clone()
-                     .set_requires_grad(true);
-  }
-  const std::map<std::string, at::Tensor>& weights() const { return w_; }
+  Reference(const ModelDescription& d, const TensorMap& weights)
+      : PlainTransformer(weights), d_(d) {}
 
   // Final normalised states; `extra` (B, F, C) follows the window, seeing everything.
   at::Tensor hidden(const Batch& batch, const at::Tensor& extra = {}) const {
@@ -80,12 +74,7 @@ class Reference {
     const std::int64_t free = d_.config.objective == "masked" ? x.size(1)
                               : extra.defined()               ? extra.size(1)
                                                               : 0;
-    for (std::int64_t i = 0; i < d_.config.n_layer; ++i) {
-      const std::string at = "block." + std::to_string(i) + ".";
-      x = x + linear(at + "proj", attention(linear(at + "qkv", norm(at + "ln1", x)), free));
-      x = x + linear(at + "down", gelu(linear(at + "up", norm(at + "ln2", x))));
-    }
-    return norm("ln", x);
+    return norm("ln", blocks("block.", d_.config.n_layer, d_.config.n_head, x, free));
   }
 
   at::Tensor logits(const at::Tensor& hidden, const Batch& batch) const {
@@ -99,38 +88,11 @@ class Reference {
 
  private:
   at::Tensor rows(const std::string& name, const at::Tensor& index) const {
-    return w_.at(name)
+    return weight(name)
         .index_select(0, index.flatten())
         .view({index.size(0), index.size(1), d_.config.n_embd});
   }
-  at::Tensor linear(const std::string& name, const at::Tensor& x) const {
-    return at::matmul(x, w_.at(name + ".weight").t()) + w_.at(name + ".bias");
-  }
-  at::Tensor norm(const std::string& name, const at::Tensor& x) const {
-    const at::Tensor centred = x - x.mean({2}, true);
-    return centred / (centred.square().mean({2}, true) + 1e-5).sqrt() * w_.at(name + ".weight") +
-           w_.at(name + ".bias");
-  }
-  static at::Tensor gelu(const at::Tensor& x) { return 0.5 * x * (1 + at::erf(x / std::sqrt(2))); }
-  at::Tensor attention(const at::Tensor& qkv, std::int64_t free) const {
-    const std::int64_t length = qkv.size(1), head = d_.config.n_embd / d_.config.n_head;
-    at::Tensor mask =
-        at::full({length, length}, -std::numeric_limits<double>::infinity(), at::kDouble).triu(1);
-    if (free > 0) mask.slice(0, length - free).zero_();
-    std::vector<at::Tensor> outs;
-    for (std::int64_t h = 0; h < d_.config.n_head; ++h) {
-      const auto part = [&](std::int64_t which) {
-        return qkv.narrow(2, which * d_.config.n_embd + h * head, head);
-      };
-      const at::Tensor scores =
-          at::matmul(part(0), part(1).transpose(1, 2)) / std::sqrt(static_cast<double>(head));
-      outs.push_back(at::matmul(at::softmax(scores + mask, -1), part(2)));
-    }
-    return at::cat(outs, 2);
-  }
-
   ModelDescription d_;
-  std::map<std::string, at::Tensor> w_;
 };
 
 TEST(Transformer, AgreesWithTheFormulasInEveryVariant) {
