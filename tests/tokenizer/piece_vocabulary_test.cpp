@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
+
+#include "motion/formats/formats.h"
 #include "support/refusal.h"
 #include "tokenizer/any_tokenizer.h"
 #include "tokenizer/pieces.h"
@@ -64,6 +68,48 @@ TEST(PieceVocabulary, CutsFramesAsSentencePieceDoes) {
       }
       EXPECT_EQ(longer, 11u);
     }
+}
+
+// Recordings, where they are there: learnt on one half of each, cut and put together on all.
+TEST(PieceVocabulary, CutsRecordingsAsSentencePieceDoes) {
+  const std::filesystem::path folder =
+      std::filesystem::path(MOCAPLM_SOURCE_DIR) / ".." / "shared" / "data" / "formats";
+  std::vector<Clip> clips, halves;
+  if (std::filesystem::exists(folder))
+    for (const auto& file : std::filesystem::directory_iterator(folder)) {
+      const std::string ending = file.path().extension().string();
+      if (ending != ".npz" && ending != ".pkl" && ending != ".bvh") continue;
+      try {
+        clips.push_back(read_clip(file.path().string(), {}));
+      } catch (const DataError&) {  // a folder of odd files, too
+        continue;
+      }
+      halves.push_back(
+          slice(clips.back(), 0, std::max<Eigen::Index>(clips.back().frames() / 2, 1)));
+    }
+  if (clips.empty()) GTEST_SKIP() << "no recordings in " << folder;
+  const Tokenizer tokenizer = Tokenizer::fit({}, clips);
+  for (const bool unigram : {false, true}) {
+    PieceConfig config;
+    (unigram ? config.unigram : config.bpe) = 700;
+    const Pieces library = learn_pieces(config, FrameWords(tokenizer), halves.size(),
+                                        [&](std::size_t i) { return halves[i]; });
+    const PieceVocabulary own(library.bytes(), tokenizer, "pieces");
+    for (const Clip& clip : clips) {
+      const std::vector<std::int32_t> ids = tokenizer.encode(clip).ids;
+      std::vector<std::string> wanted, found;
+      std::vector<std::int32_t> back;
+      for (const std::int32_t piece : library.encode(tokenizer.to_text(ids)))
+        wanted.push_back(library.text(piece));
+      for (const std::int32_t token : own.encode(ids).tokens) {
+        found.push_back(text_of(own, tokenizer, token));
+        const PieceVocabulary::Characters all = own.characters(token);
+        back.insert(back.end(), all.data, all.data + all.size);
+      }
+      EXPECT_EQ(found, wanted) << clip.name;
+      EXPECT_EQ(back, ids) << clip.name;
+    }
+  }
 }
 
 TEST(PieceVocabulary, LosesNothingAndEndsWithFrames) {

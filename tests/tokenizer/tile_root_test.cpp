@@ -96,8 +96,8 @@ TEST(TileRoot, StepsDriftAndPlacesDoNot) {
       "%zu characters\n",
       places.mean, places.last, steps.mean, steps.last, places.characters, steps.characters);
   EXPECT_LT(places.last, 2 * places.mean) << "no drift";
-  EXPECT_GT(steps.mean, 3 * places.mean);
-  EXPECT_GT(steps.last, 1.5 * steps.mean) << "the longer, the farther";
+  EXPECT_GT(steps.mean, 10 * places.mean);
+  EXPECT_GT(steps.last, 1.2 * steps.mean) << "the longer, the farther";
 }
 
 // The conversion itself loses nothing.
