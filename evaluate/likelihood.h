@@ -16,7 +16,7 @@ namespace mocaplm {
 struct ScoredClip {
   std::vector<std::int32_t> ids;     // whole frames
   std::vector<std::int32_t> prefix;  // start and condition tokens
-  PieceStream pieces;                // the frames in pieces, where the model speaks them
+  PieceStream pieces = {};           // the frames in pieces, where the model speaks them
 };
 
 using WindowsDone = std::function<void(std::size_t, std::size_t)>;
