@@ -14,7 +14,7 @@ namespace mocaplm {
 // it. `program` is a mocaplm; empty: the one beside this program. Throws UsageError or DataError
 // with what that program said when it does not end well.
 std::string learn_model_pieces(const PieceConfig& config, const Tokenizer& tokenizer,
-                         const std::filesystem::path& data,
-                         const std::filesystem::path& program = {});
+                               const std::filesystem::path& data,
+                               const std::filesystem::path& program = {});
 
 }  // namespace mocaplm
