@@ -119,8 +119,13 @@ std::vector<Table> describe_model(const fs::path& path) {
   for (const auto& item : settings.items())
     if (item.key() != "architecture") table.row({item.key(), item.value()});
   table.row({"vocabulary", model.shape.vocabulary});
-  table.row({"tokens per frame", model.shape.tokens_per_frame()});
+  table.row({model.has_pieces() ? "characters per frame" : "tokens per frame",
+             model.shape.tokens_per_frame()});
   table.row({"tokenizer", model.tokenizer_fingerprint});
+  if (model.has_pieces())
+    table.row({"pieces", std::to_string(model.shape.pieces) + " of 2 to " +
+                             std::to_string(model.shape.longest) + " characters, fingerprint " +
+                             model.pieces_fingerprint});
   table.row({"conditions", model.conditions.empty() ? "none" : join(model.conditions, ", ")});
   for (const auto& [label, values] : model.classes)
     table.row({"classifies " + label, value_text(values)});

@@ -66,6 +66,7 @@ void run_train(const CLI::App& app, TrainCommand& command) {
         throw UsageError(std::string(option) + " is for --range-test");
   if (!command.config_file.empty()) options.config = load_run_config(command.config_file);
   overlay_options(app, command.given.tokenizer, options.config.tokenizer);
+  overlay_options(app, command.given.pieces, options.config.pieces);
   overlay_options(app, command.given.model, options.config.model);
   overlay_options(app, command.given.train, options.config.train);
   if (!command.from.empty()) options.from = command.from;
@@ -100,6 +101,8 @@ void add_train(CLI::App& app) {
   bind_options(*train->add_option_group("range test"), command->range);
   add_machine_options(*train, command->options.device, command->options.threads);
   bind_options(*train->add_option_group("tokenizer"), command->given.tokenizer);
+  bind_options(*train->add_option_group("pieces", "of words, with --architecture flat"),
+               command->given.pieces);
   bind_options(*train->add_option_group("model"), command->given.model);
   bind_options(*train->add_option_group("training"), command->given.train);
   train->callback([train, command] { run_train(*train, *command); });

@@ -58,6 +58,10 @@ Setup set_up(const ClassifyOptions& options) {
     throw UsageError(s.place +
                      " is a masked model; classify takes a causal one, whose loss is "
                      "trained jointly");
+  if (s.stored.description.has_pieces())
+    throw UsageError(s.place +
+                     " is a model of pieces; classify takes one of single characters (trained "
+                     "without bpe and unigram)");
   s.tokenizer =
       Tokenizer::of_model(s.stored.tokenizer, s.stored.description.tokenizer_fingerprint, s.place);
   s.dataset = load_dataset(options.data);

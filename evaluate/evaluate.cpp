@@ -11,6 +11,7 @@
 #include "evaluate/generated/chosen_clips.h"
 #include "evaluate/likelihood.h"
 #include "evaluate/masked_likelihood.h"
+#include "generate/piece_decoder.h"
 #include "model/transformer/setup.h"
 #include "model/transformer/weights.h"
 #include "motion/dataset.h"
@@ -34,15 +35,17 @@ struct EncodedSplit {
 
 EncodedSplit encode(const Dataset& dataset, const EvaluateOptions& options,
                     const std::string& split, const Tokenizer& tokenizer,
-                    const std::vector<std::string>& conditions) {
+                    const std::vector<std::string>& conditions,
+                    const PieceVocabulary& pieces = {}) {
   EncodedSplit out;
   out.entries = chosen_entries(dataset, split, options.where);
   out.clips.resize(out.entries.size());
   parallel_for(out.entries.size(), options.threads, [&](std::size_t i) {
     const Clip clip = load_clip(dataset, out.entries[i]);
     out.clips[i].ids = tokenizer.encode(clip).ids;
-    out.clips[i].prefix =
-        condition_prefix(tokenizer, conditions, options.conditions ? clip.labels : Labels());
+    out.clips[i].prefix = pieces.ids(
+        condition_prefix(tokenizer, conditions, options.conditions ? clip.labels : Labels()));
+    if (pieces.any()) out.clips[i].pieces = pieces.encode(out.clips[i].ids);
   });
   return out;
 }
@@ -63,8 +66,13 @@ constexpr const char* kMaskedNote =
     "window, what comes after included; its bits compare with no causal model's, nor with the "
     "baselines'";
 
+constexpr const char* kPiecesNote =
+    "a model of pieces: each frame is told in the pieces that training cuts it into, one of "
+    "several "
+    "ways, so its bits are an upper bound; those of a piece are shared equally by its channels";
+
 Table make_table(const std::string& title, const BitColumns& columns, const Tokenizer& tokenizer,
-                 bool masked) {
+                 const ModelDescription& model) {
   Table table(title, {"bits/frame", "channels", "model", "order 0", "order 1", "order 2"});
   table.digits({-1, -1, 2, 2, 2, 2});
   const int channels = tokenizer.channels(), rotations = tokenizer.rotation_channels();
@@ -79,10 +87,11 @@ Table make_table(const std::string& title, const BitColumns& columns, const Toke
   for (const BitCount& order : columns.orders)
     tokens.push_back(order.per_frame(0, channels) / channels);
   table.row(tokens);
-  table.note(masked ? kMaskedNote
-                    : "separators, which cost the model " +
-                          format_fixed(columns.model.per_frame(channels, 1), 4) +
-                          " bits/frame, are not counted");
+  table.note(model.masked() ? kMaskedNote
+                            : "separators, which cost the model " +
+                                  format_fixed(columns.model.per_frame(channels, 1), 4) +
+                                  " bits/frame, are not counted");
+  if (model.has_pieces()) table.note(kPiecesNote);
   table.note(std::to_string(columns.model.frames) + " frames at " +
              format_number(tokenizer.config().fps) + " per second");
   return table;
@@ -151,11 +160,14 @@ SplitBits split_bits(const EvaluateOptions& options) {
 
   if (bits.model.masked() && !options.engine.empty())
     throw UsageError("--engine: a masked model is scored by LibTorch alone");
+  if (bits.model.has_pieces() && !options.engine.empty())
+    throw UsageError("--engine: a model of pieces is scored by LibTorch alone");
+  const PieceVocabulary pieces = stored_pieces(stored, place);
   const Dataset dataset = load_dataset(options.data);
   check_by(options, dataset);
   const EncodedSplit train = encode(dataset, options, "train", tokenizer, {});
   const EncodedSplit test =
-      encode(dataset, options, options.split, tokenizer, stored.description.conditions);
+      encode(dataset, options, options.split, tokenizer, stored.description.conditions, pieces);
   const Fitted baselines = fit_baselines(options, train, test, tokenizer);
 
   const std::vector<BitCount> scores = score(options, stored, place, test.clips);
@@ -176,7 +188,7 @@ std::vector<Table> evaluate_tables(const EvaluateOptions& options) {
   for (const auto& [value, columns] : bits.groups)
     tables.push_back(make_table(
         "split " + options.split + (options.by.empty() ? "" : ", " + options.by + " " + value),
-        columns, bits.tokenizer, bits.model.masked()));
+        columns, bits.tokenizer, bits.model));
   return tables;
 }
 

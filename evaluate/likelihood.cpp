@@ -98,6 +98,8 @@ float nats_of(const std::vector<float>& logits, std::int32_t id) {
 
 std::vector<BitCount> score_clips(LanguageModel& model, const std::vector<ScoredClip>& clips,
                                   std::int64_t windows_at_once, const WindowsDone& progress) {
+  if (model.description().has_pieces())
+    return score_piece_clips(model, clips, windows_at_once, progress);
   const at::NoGradGuard no_grad;
   model.eval();
   const at::Device device = model.parameters().front().device();

@@ -21,14 +21,16 @@ std::vector<int> decoding_order(const GeneratePlan& plan, const Decoder& decoder
 }  // namespace
 
 DanceInMaking::DanceInMaking(std::size_t index, const GenerateRequest& request, Decoder& decoder,
-                             const Tokenizer& tokenizer, const Generator::OnFrame& on_frame)
+                             const Tokenizer& tokenizer, const PieceVocabulary& pieces,
+                             const Generator::OnFrame& on_frame)
     : index_(index),
       labels_(request.labels),
       decoder_(decoder),
       tokenizer_(tokenizer),
+      pieces_(pieces),
       on_frame_(on_frame),
       plan_(plan_generation(request, tokenizer)),
-      prefix_(condition_prefix(request.labels, decoder.description(), tokenizer)),
+      prefix_(pieces.ids(condition_prefix(request.labels, decoder.description(), tokenizer))),
       sampler_(request.sampling),
       per_frame_(static_cast<std::size_t>(tokenizer.tokens_per_frame())),
       order_(decoding_order(plan_, decoder)),
@@ -46,6 +48,11 @@ std::int32_t DanceInMaking::known() const {
 }
 
 void DanceInMaking::advance() {
+  if (pieces_.any()) {
+    while (!done() && place_ == 0 && push_known_frame()) {
+    }
+    return;
+  }
   while (!done()) {
     const std::int32_t next = known();
     if (next == kFree) return;
@@ -53,7 +60,39 @@ void DanceInMaking::advance() {
   }
 }
 
+bool DanceInMaking::push_known_frame() {
+  const std::size_t at = ids_.size();
+  const auto begin = plan_.given.begin() + static_cast<std::ptrdiff_t>(at);
+  if (at + per_frame_ > plan_.given.size() ||
+      std::find(begin, begin + static_cast<std::ptrdiff_t>(per_frame_), kFree) !=
+          begin + static_cast<std::ptrdiff_t>(per_frame_))
+    return false;
+  std::vector<std::int32_t> tokens;
+  pieces_.encode_frame(plan_.given.data() + at, tokens);
+  for (const std::int32_t token : tokens)
+    if (token != Tokenizer::kSeparator) push_piece(token);  // which end_frame tells
+  return true;
+}
+
+void DanceInMaking::find_allowed() {
+  allowed_.clear();
+  const std::size_t at = ids_.size() + place_;
+  for (std::int32_t token = Tokenizer::kSeparator; token < pieces_.end(); ++token) {
+    if (!pieces_.fits(token, static_cast<int>(place_))) continue;
+    const PieceVocabulary::Characters characters = pieces_.characters(token);
+    bool agrees = true;
+    for (std::size_t i = 0; i < characters.size && at + i < plan_.given.size(); ++i)
+      agrees = agrees && (plan_.given[at + i] == kFree || plan_.given[at + i] == characters[i]);
+    if (agrees) allowed_.push_back(token);
+  }
+}
+
 void DanceInMaking::choose(const std::vector<float>& logits) {
+  if (pieces_.any()) {
+    find_allowed();
+    push_piece(sampler_.pick(logits, allowed_));
+    return;
+  }
   push(sampler_.pick(logits, Tokenizer::kFirstBin, tokenizer_.bins()));
 }
 
@@ -63,12 +102,21 @@ void DanceInMaking::push(std::int32_t id) {
   if (++place_ == order_.size()) end_frame();
 }
 
-void DanceInMaking::end_frame() {
+void DanceInMaking::push_piece(std::int32_t id) {
+  decoder_.push(sequence_, id);
+  const PieceVocabulary::Characters characters = pieces_.characters(id);
+  const bool ends = characters.last() == Tokenizer::kSeparator;
+  for (std::size_t i = 0; i + (ends ? 1 : 0) < characters.size; ++i)
+    frame_[place_++] = characters[i];
+  if (place_ == order_.size()) end_frame(ends);
+}
+
+void DanceInMaking::end_frame(bool told) {
   ids_.insert(ids_.end(), frame_.begin(), frame_.end());
   ids_.push_back(Tokenizer::kSeparator);  // nowhere else, and nothing else here
   place_ = 0;
   // Behind the last frame nothing comes.
-  if (!done()) decoder_.push(sequence_, Tokenizer::kSeparator);
+  if (!done() && !told) decoder_.push(sequence_, Tokenizer::kSeparator);
   if (on_frame_) tell_frame();
 }
 

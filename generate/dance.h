@@ -10,7 +10,8 @@ namespace mocaplm {
 class DanceInMaking {
  public:
   DanceInMaking(std::size_t index, const GenerateRequest& request, Decoder& decoder,
-                const Tokenizer& tokenizer, const Generator::OnFrame& on_frame);
+                const Tokenizer& tokenizer, const PieceVocabulary& pieces,
+                const Generator::OnFrame& on_frame);
 
   // Takes a sequence of the decoder, from its start.
   void begin(std::int64_t sequence);
@@ -25,13 +26,21 @@ class DanceInMaking {
  private:
   std::int32_t known() const;
   void push(std::int32_t id);
-  void end_frame();
+  void push_piece(std::int32_t id);
+  // A frame that the prompt gives as a whole, in the pieces that training cuts it into.
+  bool push_known_frame();
+  // The tokens that may come next: they fit the frame and agree with the prompt. Single characters
+  // always do, so there is one.
+  void find_allowed();
+  // `told`: the decoder has the separator already, as the end of a piece.
+  void end_frame(bool told = false);
   void tell_frame();
 
   std::size_t index_;
   Labels labels_;
   Decoder& decoder_;
   const Tokenizer& tokenizer_;
+  const PieceVocabulary& pieces_;
   const Generator::OnFrame& on_frame_;
   GeneratePlan plan_;
   std::vector<std::int32_t> prefix_, ids_;
@@ -41,6 +50,7 @@ class DanceInMaking {
   std::vector<int> order_;             // of a frame's channels: prompted ones first where possible
   std::vector<std::int32_t> frame_;    // ids of the unfinished frame, by channel
   std::size_t place_ = 0;              // in the order, of the next channel
+  std::vector<std::int32_t> allowed_;  // find_allowed's
   std::vector<Eigen::Vector3d> path_;  // of the root so far, for on_frame
 };
 

@@ -5,6 +5,7 @@
 #include "common/error.h"
 #include "generate/flat_decoder.h"
 #include "generate/frame_decoder.h"
+#include "generate/piece_decoder.h"
 
 namespace mocaplm {
 
@@ -18,6 +19,7 @@ std::unique_ptr<Decoder> make_decoder(const StoredModel& model, const std::strin
     throw UsageError(place + " is a masked model: it fills gaps (mocaplm infill) and cannot go on");
   if (model.description.frame_positions())
     return std::make_unique<FrameDecoder>(model, place, options);
+  if (model.description.has_pieces()) return std::make_unique<PieceDecoder>(model, place, options);
   return std::make_unique<FlatDecoder>(model, place, options);
 }
 

@@ -27,8 +27,9 @@ class Decoder {
   virtual bool any_order() const { return false; }
   virtual void set_order(std::int64_t sequence, const std::vector<int>& channels);
 
-  // The next token of a stream: a bin of the next channel, or the separator behind the last. Past
-  // the context the older half of the frames is forgotten; the prefix stays.
+  // The next token of a stream: a bin of the next channel, or the separator behind the last; with
+  // pieces (generate/piece_decoder.h) any token that fits there. Past the context the older half of
+  // the frames is forgotten; the prefix stays.
   virtual void push(std::int64_t sequence, std::int32_t id) = 0;
   // Logits (vocabulary) for the next token of each of these sequences, a bin; until the next call.
   virtual const std::vector<std::vector<float>>& logits(

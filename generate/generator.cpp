@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "generate/dance.h"
+#include "generate/piece_decoder.h"
 
 namespace mocaplm {
 
@@ -13,8 +14,9 @@ Tokenizer matching_tokenizer(const StoredModel& model, const std::string& place)
   Tokenizer tokenizer =
       Tokenizer::of_model(model.tokenizer, model.description.tokenizer_fingerprint, place);
   const StreamShape& shape = model.description.shape;
-  if (tokenizer.vocabulary() != shape.vocabulary || tokenizer.channels() != shape.channels ||
-      tokenizer.bins() != shape.bins || Tokenizer::kFirstBin != shape.first_bin)
+  if (tokenizer.vocabulary() + shape.pieces != shape.vocabulary ||
+      tokenizer.channels() != shape.channels || tokenizer.bins() != shape.bins ||
+      Tokenizer::kFirstBin != shape.first_bin)
     throw DataError(in_file(place),
                     "tokenizer.json is not the tokenizer that this model was trained with");
   return tokenizer;
@@ -24,7 +26,9 @@ Tokenizer matching_tokenizer(const StoredModel& model, const std::string& place)
 
 Generator::Generator(const StoredModel& model, const std::string& place,
                      const EngineOptions& options)
-    : decoder_(make_decoder(model, place, options)), tokenizer_(matching_tokenizer(model, place)) {}
+    : decoder_(make_decoder(model, place, options)),
+      tokenizer_(matching_tokenizer(model, place)),
+      pieces_(stored_pieces(model, place)) {}
 
 GenerateResult Generator::generate(const GenerateRequest& request, const OnFrame& on_frame) {
   return generate(std::vector<GenerateRequest>{request}, on_frame)[0];
@@ -34,7 +38,7 @@ std::vector<GenerateResult> Generator::generate(const std::vector<GenerateReques
                                                 const OnFrame& on_frame) {
   std::vector<DanceInMaking> dances;
   for (const GenerateRequest& request : requests)
-    dances.emplace_back(dances.size(), request, *decoder_, tokenizer_, on_frame);
+    dances.emplace_back(dances.size(), request, *decoder_, tokenizer_, pieces_, on_frame);
   decode(dances);
   std::vector<GenerateResult> results;
   for (const DanceInMaking& dance : dances) results.push_back(dance.result());

@@ -8,6 +8,7 @@
 
 #include "generate/decoder.h"
 #include "generate/plan.h"
+#include "tokenizer/piece_vocabulary.h"
 
 namespace mocaplm {
 
@@ -51,6 +52,7 @@ class Generator {
 
   std::unique_ptr<Decoder> decoder_;
   Tokenizer tokenizer_;
+  PieceVocabulary pieces_;
 };
 
 }  // namespace mocaplm

@@ -52,4 +52,12 @@ std::int32_t Sampler::pick(const std::vector<float>& logits, std::int32_t first,
   return candidates_[size - 1].second;
 }
 
+std::int32_t Sampler::pick(const std::vector<float>& logits,
+                           const std::vector<std::int32_t>& allowed) {
+  allowed_.clear();
+  for (const std::int32_t id : allowed) allowed_.push_back(logits[static_cast<std::size_t>(id)]);
+  return allowed[static_cast<std::size_t>(
+      pick(allowed_, 0, static_cast<std::int32_t>(allowed.size())))];
+}
+
 }  // namespace mocaplm

@@ -35,11 +35,14 @@ class Sampler {
   // One id out of [first, first + count), the ids that may come here. Throws DataError when one of
   // their logits is not finite.
   std::int32_t pick(const std::vector<float>& logits, std::int32_t first, std::int32_t count);
+  // The same out of `allowed`, at least one id.
+  std::int32_t pick(const std::vector<float>& logits, const std::vector<std::int32_t>& allowed);
 
  private:
   SamplingConfig config_;
   Random random_;
   std::vector<std::pair<double, std::int32_t>> candidates_;  // probability, id; reused
+  std::vector<float> allowed_;                               // their logits; reused
 };
 
 }  // namespace mocaplm

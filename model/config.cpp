@@ -31,6 +31,8 @@ void check_model(const ModelDescription& d) {
     throw UsageError(
         "objective masked needs architecture flat: a model of frames has no positions "
         "for single tokens");
+  if (d.has_pieces() && (d.frame_positions() || d.masked()))
+    throw UsageError("pieces (bpe, unigram) need architecture flat and objective causal");
   const auto extra = static_cast<std::int64_t>(d.classes.size());
   const std::int64_t need =
       d.prefix() + extra + 2 * (d.frame_positions() ? 1 : d.shape.tokens_per_frame());
@@ -49,6 +51,11 @@ Json to_json(const ModelDescription& d) {
                     {"first_bin", d.shape.first_bin},
                     {"bins", d.shape.bins},
                     {"channels", d.shape.channels}};
+  if (d.has_pieces()) {
+    json["stream"]["pieces"] = d.shape.pieces;
+    json["stream"]["longest"] = d.shape.longest;
+    json["pieces_fingerprint"] = d.pieces_fingerprint;
+  }
   json["tokenizer_fingerprint"] = d.tokenizer_fingerprint;
   json["conditions"] = d.conditions;
   json["classes"] = Json::array();
@@ -71,7 +78,13 @@ ModelDescription model_from_json(const Json& json, const std::string& place) {
   d.shape.bins = stream.integer("bins", 2, 4096);
   d.shape.channels = stream.integer("channels", 1, 1000);
   d.shape.first_bin = stream.integer("first_bin", 1, 1000);
-  d.shape.vocabulary = stream.integer("vocabulary", d.shape.first_bin + d.shape.bins, 100000);
+  if (stream.has("pieces")) {
+    d.shape.pieces = stream.integer("pieces", 1, 65536);
+    d.shape.longest = stream.integer("longest", 2, d.shape.tokens_per_frame());
+    d.pieces_fingerprint = top.text("pieces_fingerprint");
+  }
+  d.shape.vocabulary =
+      stream.integer("vocabulary", d.shape.first_bin + d.shape.bins + d.shape.pieces, 200000);
   stream.finish();
   d.tokenizer_fingerprint = top.text("tokenizer_fingerprint");
   d.conditions = top.texts("conditions");
@@ -109,8 +122,8 @@ std::int64_t tokens_in_window(const ModelDescription& d, std::int64_t reserve) {
 ModelSizes model_sizes(const ModelDescription& d) {
   const ModelConfig& c = d.config;
   const std::int64_t frames =
-      d.frame_positions() ? c.block_size : c.block_size / d.shape.tokens_per_frame();
-  return {frames + 3, d.shape.channels + 2, 2 * c.reach + 2, 2 * c.reach + 1};
+      d.frame_positions() ? c.block_size : c.block_size / d.shape.fewest_tokens_per_frame();
+  return {frames + 3, (d.shape.channels + 2) * d.shape.longest, 2 * c.reach + 2, 2 * c.reach + 1};
 }
 
 namespace {

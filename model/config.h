@@ -68,15 +68,21 @@ struct StreamShape {
   std::int64_t vocabulary = 0;  // ids, label values included
   std::int64_t first_bin = 0;   // id of bin 0
   std::int64_t bins = 0;
-  std::int64_t channels = 0;  // a frame has channels + 1 tokens, the last is the separator
+  std::int64_t channels = 0;  // a frame has channels + 1 characters, the last is the separator
+  // Tokens of several characters of a frame (tokenizer/piece_vocabulary.h), whose ids follow the
+  // bins'; and the characters of the longest.
+  std::int64_t pieces = 0, longest = 1;
 
+  // Characters, which are tokens of their own where there are no pieces.
   std::int64_t tokens_per_frame() const { return channels + 1; }
+  std::int64_t fewest_tokens_per_frame() const { return (channels + longest) / longest; }
 };
 
 struct ModelDescription {
   ModelConfig config;
   StreamShape shape;
   std::string tokenizer_fingerprint;
+  std::string pieces_fingerprint;       // empty: no pieces
   std::vector<std::string> conditions;  // labels whose tokens head each window, in this order
   std::vector<std::pair<std::string, std::vector<std::string>>>
       classes;                     // classified labels, values
@@ -87,7 +93,9 @@ struct ModelDescription {
   bool frame_positions() const { return config.architecture == "frames"; }
   // Each position predicts its own token and sees the whole window (model/masked_input.h).
   bool masked() const { return config.objective == "masked"; }
-  // Tokens of a frame that have a loss: of a masked model all but the separator.
+  bool has_pieces() const { return shape.pieces > 0; }
+  // Tokens of a frame that have a loss: of a masked model all but the separator. With pieces a
+  // frame has that many or fewer.
   std::int64_t predicted_per_frame() const {
     return masked() ? shape.channels : shape.tokens_per_frame();
   }
@@ -103,7 +111,8 @@ Json to_json(const ModelDescription& description);
 // Throws DataError on missing, unknown or impossible keys.
 ModelDescription model_from_json(const Json& json, const std::string& place);
 
-// Whole frames that a window holds beside its prefix, when `reserve` positions stay free.
+// Whole frames that a window holds beside its prefix, when `reserve` positions stay free; with
+// pieces it may hold more.
 std::int64_t frames_in_window(const ModelDescription& description, std::int64_t reserve = 0);
 // Tokens of such a window, prefix included: "flat" also has the beginning of one more frame.
 std::int64_t tokens_in_window(const ModelDescription& description, std::int64_t reserve = 0);
@@ -115,8 +124,10 @@ constexpr std::int64_t kFeedForward = 2;
 
 // Shapes that both the trainable model and the decoding engine derive from a description.
 struct ModelSizes {
-  std::int64_t frame_positions;    // of a window: 0 for the prefix, then 1, 2, ...
-  std::int64_t channel_positions;  // rows of the channel embedding: channels, separator, prefix
+  std::int64_t frame_positions;  // of a window: 0 for the prefix, then 1, 2, ...
+  // Rows of the channel embedding: channels, separator, prefix; with pieces as many again for each
+  // length of two or more characters.
+  std::int64_t channel_positions;
   std::int64_t history_rows;  // rows of each history embedding: 0 for "none", then -reach..reach
   std::int64_t offsets;       // logits relative to the extrapolation: 2 * reach + 1
 };

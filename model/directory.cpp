@@ -152,6 +152,7 @@ StoredModel load_model(const fs::path& path) {
   StoredModel model;
   model.description = load_description(directory);
   model.tokenizer = load_json(directory / "tokenizer.json");
+  if (model.description.has_pieces()) model.pieces = read_file(directory / "pieces.model");
   model.tensors = read_safetensors(directory / "model.safetensors");
   check_size(model, directory);
   const fs::path test = directory / "selftest.json";
@@ -243,6 +244,7 @@ void save_model(const fs::path& path, const StoredModel& model,
   write_directory_with(path, looks_like_model, [&](const fs::path& directory) {
     save_json(directory / "config.json", to_json(model.description));
     save_json(directory / "tokenizer.json", model.tokenizer);
+    if (model.description.has_pieces()) write_file(directory / "pieces.model", model.pieces);
     write_file(directory / "selftest.json", self_test_json(model.self_test).dump() + "\n");
     write_safetensors(directory / "model.safetensors", model.tensors);
     if (more) more(directory);

@@ -2,6 +2,9 @@
 //   config.json            ModelDescription
 //   model.safetensors      the weights, f32
 //   tokenizer.json         the tokenizer it speaks, whose fingerprint config.json repeats
+//   pieces.model           SentencePiece's file, where the model speaks pieces; config.json repeats
+//   its
+//                          fingerprint
 //   selftest.json          a few windows of tokens with the logits expected for them, rerun at load
 //   optimizer.safetensors  AdamW's state, and
 //   state.json             where training stood: only where it can be resumed
@@ -26,6 +29,7 @@ struct StoredModel {
   ModelDescription description;
   TensorMap tensors;
   Json tokenizer;
+  std::string pieces;  // bytes of pieces.model; empty without pieces
   std::vector<SelfTestCase> self_test;
 };
 

@@ -70,13 +70,21 @@ void append_prefix(ModelInput& input, const ModelDescription& model, std::int32_
 
 void append_stream(ModelInput& input, const ModelDescription& model,
                    const std::vector<std::int32_t>& ids, std::size_t first, std::size_t index) {
+  append_piece(input, model, ids, first, index, ids[index], 1);
+}
+
+void append_piece(ModelInput& input, const ModelDescription& model,
+                  const std::vector<std::int32_t>& ids, std::size_t first, std::size_t index,
+                  std::int32_t token, std::size_t length) {
   const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
-  assert(first % per_frame == 0 && index >= first && index < ids.size());
-  input.token.push_back(ids[index]);
+  assert(first % per_frame == 0 && index >= first && index + length <= ids.size());
+  assert(length >= 1 && length <= static_cast<std::size_t>(model.shape.longest));
+  input.token.push_back(token);
   input.frame.push_back(static_cast<std::int32_t>(1 + (index - first) / per_frame));
-  input.channel.push_back(static_cast<std::int32_t>(index % per_frame));
+  input.channel.push_back(
+      static_cast<std::int32_t>(index % per_frame + (per_frame + 1) * (length - 1)));
   input.surprise.push_back(StreamHistory(model.shape, model.config.reach).surprise_row(ids, index));
-  append_next(input, model, ids, index + 1);
+  append_next(input, model, ids, index + length);
 }
 
 ModelInput slice(const ModelInput& input, std::size_t begin, std::size_t end) {
@@ -96,6 +104,17 @@ ModelInput window_input(const ModelDescription& model, const std::vector<std::in
   for (std::size_t p = 0; p < prefix.size(); ++p)
     append_prefix(input, model, prefix[p], p + 1 == prefix.size(), ids, first);
   for (std::size_t i = first; i < first + count; ++i) append_stream(input, model, ids, first, i);
+  return input;
+}
+
+ModelInput piece_window_input(const ModelDescription& model,
+                              const std::vector<std::int32_t>& prefix, const PieceTokens& stream,
+                              std::size_t first, std::size_t count) {
+  const std::size_t begin = stream.starts[first];
+  ModelInput input = window_input(model, prefix, stream.ids, begin, 0);
+  for (std::size_t i = first; i < first + count; ++i)
+    append_piece(input, model, stream.ids, begin, stream.starts[i], stream.tokens[i],
+                 stream.starts[i + 1] - stream.starts[i]);
   return input;
 }
 

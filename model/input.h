@@ -26,7 +26,9 @@ struct ModelInput {
   std::vector<std::int32_t> token;  // id
   std::vector<std::int32_t>
       frame;  // row of the frame embedding: 0 prefix, 1.. frames of the window
-  std::vector<std::int32_t> channel;  // row of the channel embedding: channel, separator, prefix
+  // Row of the channel embedding: channel, separator, prefix; of a piece the channel where it
+  // begins + (channels + 2) (length - 1), so that the row also says which channel comes next.
+  std::vector<std::int32_t> channel;
   // Bin that linear extrapolation 2x[t-1]-x[t-2] predicts for the *next* token (may lie outside the
   // bins), x[t-1] where only one frame precedes, kNoCentre where none does or the next token is no
   // bin.
@@ -69,9 +71,27 @@ void append_prefix(ModelInput& input, const ModelDescription& model, std::int32_
                    const std::vector<std::int32_t>& ids, std::size_t first);
 void append_stream(ModelInput& input, const ModelDescription& model,
                    const std::vector<std::int32_t>& ids, std::size_t first, std::size_t index);
+// The same for `token`, which stands for the `length` characters from `index` on; `ids` are
+// characters. Its frame, channel and surprise are its first character's; what is told of the next
+// token is of the next character.
+void append_piece(ModelInput& input, const ModelDescription& model,
+                  const std::vector<std::int32_t>& ids, std::size_t first, std::size_t index,
+                  std::int32_t token, std::size_t length);
 
 // Prefix, then `count` tokens of `ids` from `first` (a multiple of tokens_per_frame) on.
 ModelInput window_input(const ModelDescription& model, const std::vector<std::int32_t>& prefix,
                         const std::vector<std::int32_t>& ids, std::size_t first, std::size_t count);
+
+// A stream told in pieces: `tokens` begin at the characters `starts` of `ids` (one more entry: the
+// end).
+struct PieceTokens {
+  const std::vector<std::int32_t>& ids;
+  const std::vector<std::int32_t>& tokens;
+  const std::vector<std::size_t>& starts;
+};
+// Prefix, then `count` tokens from `first` on, which begins a frame.
+ModelInput piece_window_input(const ModelDescription& model,
+                              const std::vector<std::int32_t>& prefix, const PieceTokens& stream,
+                              std::size_t first, std::size_t count);
 
 }  // namespace mocaplm

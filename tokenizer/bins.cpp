@@ -43,6 +43,8 @@ Bins Bins::quantile(std::vector<double> values, int count) {
   std::sort(values.begin(), values.end());
   const std::vector<Group> groups = groups_of(values);
   Bins bins;
+  bins.low_ = values.front();
+  bins.high_ = values.back();
   std::size_t left = values.size(), next = 0;
   for (int b = 0; b < count && next < groups.size(); ++b) {
     // What is left is shared out among the bins that are left, each of which needs a group.
@@ -79,6 +81,8 @@ Bins Bins::around_zero(double step, int n) {
     if (k != 0) bins.centres_.push_back(k * step);
     if (k < n && k != 0) bins.edges_.push_back(k == -1 ? 0.0 : (k + 0.5) * step);
   }
+  bins.low_ = bins.centres_.front();
+  bins.high_ = bins.centres_.back();
   return bins;
 }
 
@@ -87,7 +91,7 @@ void Bins::keep_zero() {
 }
 
 Json Bins::to_json() const {
-  return {{"edges", edges_}, {"centres", centres_}};
+  return {{"edges", edges_}, {"centres", centres_}, {"range", {low_, high_}}};
 }
 
 Bins Bins::from_json(const Json& json, const std::string& place, int most) {
@@ -95,6 +99,9 @@ Bins Bins::from_json(const Json& json, const std::string& place, int most) {
   Bins bins;
   bins.edges_ = object.numbers("edges");
   bins.centres_ = object.numbers("centres");
+  std::vector<double> range;
+  if (object.has("range")) range = object.numbers("range");
+  const bool ranged = object.has("range");
   object.finish();
   const std::size_t count = bins.centres_.size();
   if (count < 1 || count > static_cast<std::size_t>(most) || !ascending(bins.centres_))
@@ -105,6 +112,11 @@ Bins Bins::from_json(const Json& json, const std::string& place, int most) {
   for (std::size_t b = 0; b + 1 < count; ++b)
     if (!(bins.centres_[b] < bins.edges_[b] && bins.edges_[b] <= bins.centres_[b + 1]))
       object.fail("edges", "edge " + std::to_string(b) + " does not lie between its two centres");
+  if (!ranged) range = {bins.centres_.front(), bins.centres_.back()};
+  if (range.size() != 2 || !(range[0] <= range[1]))
+    object.fail("range", "expected [low, high], low not above high");
+  bins.low_ = range[0];
+  bins.high_ = range[1];
   return bins;
 }
 

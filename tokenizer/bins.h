@@ -41,18 +41,24 @@ class Bins {
     const auto b = static_cast<std::size_t>(bin);
     return b < centres_.size() ? centres_[b] : centres_.back();
   }
+  // How far a value lies outside of all that were fitted, 0 inside (up to rounding). Bins that were
+  // not fitted, and files written before the range was kept, have their outermost centres for it.
+  double beyond(double value) const {
+    return value < low_ - 1e-9 ? low_ - value : value > high_ + 1e-9 ? value - high_ : 0;
+  }
   const std::vector<double>& edges() const { return edges_; }      // count() - 1, ascending
   const std::vector<double>& centres() const { return centres_; }  // count(), ascending
 
-  // {"edges": [...], "centres": [...]}, exactly.
+  // {"edges": [...], "centres": [...], "range": [low, high]}, exactly.
   Json to_json() const;
   // Throws DataError naming `place` and key unless these are between 1 and `most` bins in order.
   static Bins from_json(const Json& json, const std::string& place, int most);
-  // All numbers with 17 digits, for fingerprints.
+  // All edges and centres with 17 digits, for fingerprints.
   std::string exact_text() const;
 
  private:
   std::vector<double> edges_, centres_;
+  double low_ = 0, high_ = 0;  // smallest and largest value
 };
 
 // A bounded sample of a stream of rows: all of them while they are few, then every second, fourth,

@@ -137,16 +137,19 @@ TokenStream Tokenizer::encode(const Clip& given, EncodeReport* report) const {
   stream.frame.resize(size);
   stream.channel.resize(size);
   std::size_t next = 0;
-  std::int64_t outside = 0;
+  EncodeReport outside;
   const auto push = [&](std::int32_t id, Eigen::Index t, int c) {
     stream.ids[next] = id;
     stream.frame[next] = static_cast<std::int32_t>(t);
     stream.channel[next++] = c;
   };
   const auto quantise = [&](Eigen::Index t, int c, double value) {
-    bool clamped = false;
-    const int bin = bin_of(c, value, &clamped);
-    outside += clamped;
+    if (const double beyond = this->beyond(c, value); beyond > 0) {
+      ++outside.clamped;
+      double& farthest = c < root ? outside.farthest_rotation : outside.farthest_root;
+      farthest = std::max(farthest, beyond);
+    }
+    const int bin = bin_of(c, value);
     push(kFirstBin + bin, t, c);
     return bin_centre(c, bin);
   };
@@ -175,10 +178,8 @@ TokenStream Tokenizer::encode(const Clip& given, EncodeReport* report) const {
     }
     push(kSeparator, t, channels());
   }
-  if (report) {
-    report->values += static_cast<std::int64_t>(size) - clip.frames();
-    report->clamped += outside;
-  }
+  outside.values = static_cast<std::int64_t>(size) - clip.frames();
+  if (report) report->add(outside);
   return stream;
 }
 

@@ -68,6 +68,10 @@ Table TokenizerLoss::table(const Tokenizer& tokenizer) const {
   table.row({"clamped values", encoded.clamped, "outside the bins"});
   table.row(
       {"clamped share", 100 * mean(static_cast<double>(encoded.clamped), encoded.values), "%"});
+  table.row(
+      {"farthest outside, rotations", kDegrees * encoded.farthest_rotation, "degrees a component"});
+  if (tokenizer.config().root != "none")
+    table.row({"farthest outside, root", 100 * encoded.farthest_root, "cm"});
   table.row({"component error, mean", mean(component_sum, components), "degrees"});
   table.row({"component error, max", component_max, "degrees"});
   table.row({"rotation error, mean", mean(rotation_sum, rotations), "degrees, geodesic"});

@@ -152,6 +152,10 @@ std::string Pieces::decode(const std::vector<std::int32_t>& pieces) const {
   return line;
 }
 
+const std::string& Pieces::bytes() const {
+  return model_->bytes;
+}
+
 void Pieces::save(const std::filesystem::path& path) const {
   write_file(path, model_->bytes);
 }

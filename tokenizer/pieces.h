@@ -41,6 +41,7 @@ class Pieces {
   std::string text(std::int32_t piece) const;
 
   // SentencePiece's own model file.
+  const std::string& bytes() const;
   void save(const std::filesystem::path& path) const;
   static Pieces load(const std::filesystem::path& path);
   std::string fingerprint() const;

@@ -51,7 +51,8 @@ TileTokenizer::TileTokenizer(const TokenizerConfig& frames, const TileConfig& ti
   if (tiles_.tiles < 1) throw UsageError("a tile needs at least one frame");
   if (frames_.root == "steps")
     throw UsageError(
-        "tiles tell the root as absolute or none; its steps would add up their errors");
+        "tiles tell the root as absolute or none: the errors of steps would add up (see "
+        "docs/tokenizers.md)");
   if (tiles_.pca > 0 && tiles_.ica > 0)
     throw UsageError("components are either principal (pca) or independent (ica), not both");
   if (std::max(tiles_.pca, tiles_.ica) > channels())

@@ -51,10 +51,7 @@ TokenStream TileTokenizer::encode_values(const Eigen::MatrixXd& values,
   EncodeReport counted;
   for (Eigen::Index first = 0; first < all.rows(); first += n)
     write_word(all.middleRows(first, n), static_cast<std::int32_t>(first), stream, counted);
-  if (report) {
-    report->values += counted.values;
-    report->clamped += counted.clamped;
-  }
+  if (report) report->add(counted);
   return stream;
 }
 

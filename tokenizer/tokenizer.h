@@ -61,6 +61,15 @@ struct TokenStream {
 struct EncodeReport {
   std::int64_t values = 0;   // values looked at
   std::int64_t clamped = 0;  // of them outside the bins' range, set to the nearest bin
+  // The farthest outside: rotations in radians, the root in metres.
+  double farthest_rotation = 0, farthest_root = 0;
+
+  void add(const EncodeReport& other) {
+    values += other.values;
+    clamped += other.clamped;
+    farthest_rotation = std::max(farthest_rotation, other.farthest_rotation);
+    farthest_root = std::max(farthest_root, other.farthest_root);
+  }
 };
 
 class Tokenizer {
@@ -132,9 +141,16 @@ class Tokenizer {
     if (!fitted_.empty()) return fitted_bins(channel).centre(bin);
     return low_[c] + (high_[c] - low_[c]) * (bin + 0.5) / bins();
   }
-  int bin_of(int channel, double value, bool* clamped = nullptr) const {
+  // How far a value lies outside the channel's range, 0 inside: [-pi, pi] or what the fitting saw
+  // of a rotation, with a margin of the root.
+  double beyond(int channel, double value) const {
     const auto c = static_cast<std::size_t>(channel);
-    if (clamped) *clamped = value < low_[c] || value > high_[c];
+    if (!fitted_.empty() && channel < rotation_channels())
+      return fitted_bins(channel).beyond(value);
+    return value < low_[c] ? low_[c] - value : value > high_[c] ? value - high_[c] : 0;
+  }
+  int bin_of(int channel, double value) const {
+    const auto c = static_cast<std::size_t>(channel);
     if (!fitted_.empty()) return fitted_bins(channel).of(value);
     const double bin = (value - low_[c]) / (high_[c] - low_[c]) * bins();
     // Not negative, so that the conversion rounds down.

@@ -18,6 +18,7 @@ RunConfig run_config_from_json(const Json& json, const std::string& place) {
   RunConfig config;
   JsonObject top(json, place);
   read_section(top, "tokenizer", config.tokenizer);
+  read_section(top, "pieces", config.pieces);
   read_section(top, "model", config.model);
   read_section(top, "train", config.train);
   top.finish();
@@ -30,6 +31,7 @@ RunConfig load_run_config(const std::filesystem::path& path) {
 
 Json to_json(const RunConfig& config) {
   return {{"tokenizer", settings_json(config.tokenizer)},
+          {"pieces", settings_json(config.pieces)},
           {"model", settings_json(config.model)},
           {"train", settings_json(config.train)}};
 }

@@ -1,4 +1,5 @@
-// The settings of a training run; a config file has the sections "tokenizer", "model" and "train".
+// The settings of a training run; a config file has the sections "tokenizer", "pieces", "model" and
+// "train".
 #pragma once
 
 #include <filesystem>
@@ -7,6 +8,7 @@
 
 #include "common/settings.h"
 #include "model/config.h"
+#include "tokenizer/pieces.h"
 #include "tokenizer/tokenizer.h"
 
 namespace mocaplm {
@@ -96,6 +98,7 @@ struct RangeTestConfig {
 
 struct RunConfig {
   TokenizerConfig tokenizer;
+  PieceConfig pieces;  // flat: tokens of several characters, learnt on the training split
   ModelConfig model;
   TrainConfig train;
 };

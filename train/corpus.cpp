@@ -17,13 +17,17 @@ namespace {
 
 constexpr std::size_t kFewestFrames = 3;
 
-EncodedClip encode_clip(const Clip& clip, const Tokenizer& tokenizer,
-                        const std::vector<std::string>& conditions, EncodeReport& report) {
+EncodedClip encode_clip(const Clip& clip, const StreamEncoding& encoding, EncodeReport& report) {
   EncodedClip out;
   out.name = clip.name;
-  out.ids = tokenizer.encode(clip, &report).ids;
+  out.ids = encoding.tokenizer.encode(clip, &report).ids;
   out.values = clip.labels;
-  const std::vector<std::int32_t> prefix = condition_prefix(tokenizer, conditions, clip.labels);
+  std::vector<std::int32_t> prefix =
+      condition_prefix(encoding.tokenizer, encoding.conditions, clip.labels);
+  if (encoding.pieces != nullptr && encoding.pieces->any()) {
+    out.pieces = encoding.pieces->encode(out.ids);
+    prefix = encoding.pieces->ids(std::move(prefix));
+  }
   out.labels.assign(prefix.begin() + 1, prefix.end());
   return out;
 }
@@ -49,8 +53,8 @@ Clip augmented(const Clip& clip, const std::string& name, const Augmentation& au
   return out;
 }
 
-Corpus encode_split(const Dataset& dataset, const std::string& split, const Tokenizer& tokenizer,
-                    const std::vector<std::string>& conditions, bool mirror_too, int threads,
+Corpus encode_split(const Dataset& dataset, const std::string& split,
+                    const StreamEncoding& encoding, bool mirror_too, int threads,
                     const Augmentation& augmentation, const std::atomic<bool>* stop) {
   const std::vector<DatasetEntry> entries = dataset.split(split);
   const std::size_t copies = mirror_too ? 2 : 1;
@@ -61,14 +65,14 @@ Corpus encode_split(const Dataset& dataset, const std::string& split, const Toke
     const Clip clip = load_clip(dataset, entries[i]);
     const auto encode = [&](std::size_t at, const Clip& one, const std::string& name) {
       encoded[at] = encode_clip(augmentation.any() ? augmented(one, name, augmentation) : one,
-                                tokenizer, conditions, reports[at]);
+                                encoding, reports[at]);
       encoded[at].name = name;
     };
     encode(i, clip, clip.name);
     if (mirror_too) encode(entries.size() + i, mirror(clip), clip.name + " (mirrored)");
   });
   Corpus corpus;
-  const auto per_frame = static_cast<std::size_t>(tokenizer.tokens_per_frame());
+  const auto per_frame = static_cast<std::size_t>(encoding.tokenizer.tokens_per_frame());
   for (std::size_t i = 0; i < encoded.size(); ++i) {
     const std::size_t frames = encoded[i].ids.size() / per_frame;
     if (frames < kFewestFrames) {
@@ -76,8 +80,7 @@ Corpus encode_split(const Dataset& dataset, const std::string& split, const Toke
       continue;
     }
     corpus.frames += static_cast<std::int64_t>(frames);
-    corpus.report.values += reports[i].values;
-    corpus.report.clamped += reports[i].clamped;
+    corpus.report.add(reports[i]);
     corpus.clips.push_back(std::move(encoded[i]));
   }
   if (corpus.clips.empty())
@@ -85,6 +88,14 @@ Corpus encode_split(const Dataset& dataset, const std::string& split, const Toke
                     "the split \"" + split + "\" has " + std::to_string(entries.size()) +
                         " clips, none of at least " + std::to_string(kFewestFrames) + " frames");
   return corpus;
+}
+
+double predicted_per_frame(const Corpus& corpus, const ModelDescription& model) {
+  if (!model.has_pieces()) return static_cast<double>(model.predicted_per_frame());
+  double tokens = 0;
+  for (const EncodedClip& clip : corpus.clips)
+    tokens += static_cast<double>(clip.pieces.tokens.size());
+  return tokens / static_cast<double>(corpus.frames);
 }
 
 std::size_t window_frames(const ModelDescription& model, std::int64_t reserve) {
@@ -133,6 +144,35 @@ void fill_masked(Window& window, const ModelDescription& model,
   window.input = masked_input(model, prefix, shown);
 }
 
+void fill_pieces(Window& window, const ModelDescription& model,
+                 const std::vector<std::int32_t>& prefix, const EncodedClip& clip) {
+  const PieceStream& pieces = clip.pieces;
+  const std::size_t first = pieces.frames[window.first_frame];
+  const std::size_t room = window.target.size() - prefix.size();
+  const std::size_t count = std::min(room, pieces.tokens.size() - first);
+  window.frames = pieces.frames_within(window.first_frame, room);
+  window.size = prefix.size() + count;
+  window.input =
+      piece_window_input(model, prefix, {clip.ids, pieces.tokens, pieces.starts}, first, count);
+  for (std::size_t i = 0; i <= count && first + i < pieces.tokens.size(); ++i)
+    window.target[prefix.size() - 1 + i] = pieces.tokens[first + i];
+}
+
+// The last frame from which a window is as full as it can be.
+std::size_t last_start(const EncodedClip& clip, const ModelDescription& model) {
+  const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
+  if (!model.has_pieces()) {
+    const std::size_t frames = clip.ids.size() / per_frame, inside = window_frames(model);
+    return frames > inside ? frames - inside : 0;
+  }
+  const std::vector<std::size_t>& frames = clip.pieces.frames;
+  const auto room = static_cast<std::size_t>(model.config.block_size - model.prefix());
+  const std::size_t first = frames.back() - std::min(frames.back(), room);
+  return static_cast<std::size_t>(std::upper_bound(frames.begin(), frames.end(), first) -
+                                  frames.begin()) -
+         1;
+}
+
 }  // namespace
 
 Window make_window(const Corpus& corpus, const ModelDescription& model, std::size_t clip_index,
@@ -156,9 +196,12 @@ Window make_window(const Corpus& corpus, const ModelDescription& model, std::siz
   window.clip = clip_index;
   window.first_frame = first_frame;
   window.frames = count / per_frame;
+  window.size = prefix.size() + count;
   window.target.assign(length, -1);
   const std::vector<bool> hidden = draw_hidden_channels(model.shape, options, random);
-  if (model.masked())
+  if (model.has_pieces())
+    fill_pieces(window, model, prefix, clip);
+  else if (model.masked())
     fill_masked(window, model, prefix, clip.ids, first, count, hidden, options, random);
   else
     fill_causal(window, model, prefix, clip.ids, first, count, hidden);
@@ -178,10 +221,7 @@ Window WindowSampler::draw(Random& random, const WindowOptions& options) const {
   const double at = random.uniform() * cumulative_.back();
   const auto clip = static_cast<std::size_t>(
       std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, at) - cumulative_.begin());
-  const std::size_t frames =
-      corpus_.clips[clip].ids.size() / static_cast<std::size_t>(model_.shape.tokens_per_frame());
-  const std::size_t inside = window_frames(model_);
-  const std::size_t starts = frames > inside ? frames - inside + 1 : 1;
+  const std::size_t starts = last_start(corpus_.clips[clip], model_) + 1;
   return make_window(corpus_, model_, clip, random.below(starts), options, random);
 }
 
@@ -189,9 +229,11 @@ std::vector<Window> even_windows(const Corpus& corpus, const ModelDescription& m
                                  std::int64_t count) {
   std::vector<std::pair<std::size_t, std::size_t>> places;  // clip, first frame
   const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
+  const auto room = static_cast<std::size_t>(model.config.block_size - model.prefix());
   for (std::size_t c = 0; c < corpus.clips.size(); ++c)
     for (std::size_t f = 0; f + kFewestFrames <= corpus.clips[c].ids.size() / per_frame;
-         f += window_frames(model))
+         f +=
+         model.has_pieces() ? corpus.clips[c].pieces.frames_within(f, room) : window_frames(model))
       places.emplace_back(c, f);
   const std::size_t wanted = std::min(places.size(), static_cast<std::size_t>(count));
   std::vector<Window> windows;

@@ -9,6 +9,7 @@
 #include "common/random.h"
 #include "model/input.h"
 #include "motion/dataset.h"
+#include "tokenizer/piece_vocabulary.h"
 #include "tokenizer/tokenizer.h"
 #include "train/masking.h"
 
@@ -16,7 +17,8 @@ namespace mocaplm {
 
 struct EncodedClip {
   std::string name;
-  std::vector<std::int32_t> ids;     // whole frames
+  std::vector<std::int32_t> ids;     // whole frames, a character a channel
+  PieceStream pieces;                // the same in pieces, where the model speaks them
   std::vector<std::int32_t> labels;  // condition tokens in the model's order; kMask where not known
   Labels values;                     // the labels themselves
 };
@@ -26,6 +28,13 @@ struct Corpus {
   std::int64_t frames = 0;
   std::int64_t left_out = 0;  // clips shorter than 3 frames
   EncodeReport report;
+};
+
+// What clips become tokens by.
+struct StreamEncoding {
+  const Tokenizer& tokenizer;
+  const std::vector<std::string>& conditions;
+  const PieceVocabulary* pieces = nullptr;  // null, or one without any: a character a token
 };
 
 // Random changes of the clips, the same for the same seed.
@@ -43,9 +52,17 @@ Clip augmented(const Clip& clip, const std::string& name, const Augmentation& au
 // mirrored. When `stop` becomes true the rest is left out. Throws DataError when the split is empty
 // or a clip is shorter than 3 frames at the tokenizer's rate (those are counted and left out) and
 // nothing else is left.
-Corpus encode_split(const Dataset& dataset, const std::string& split, const Tokenizer& tokenizer,
-                    const std::vector<std::string>& conditions, bool mirror, int threads,
+Corpus encode_split(const Dataset& dataset, const std::string& split,
+                    const StreamEncoding& encoding, bool mirror, int threads,
                     const Augmentation& augmentation = {}, const std::atomic<bool>* stop = nullptr);
+inline Corpus encode_split(const Dataset& dataset, const std::string& split,
+                           const Tokenizer& tokenizer, const std::vector<std::string>& conditions,
+                           bool mirror, int threads, const Augmentation& augmentation = {},
+                           const std::atomic<bool>* stop = nullptr) {
+  return encode_split(dataset, split, {tokenizer, conditions}, mirror, threads, augmentation, stop);
+}
+// Tokens of a frame that have a loss, on average over a corpus.
+double predicted_per_frame(const Corpus& corpus, const ModelDescription& model);
 
 struct Window {
   ModelInput input;
@@ -53,6 +70,7 @@ struct Window {
   // the loss ignores it.
   std::vector<std::int32_t> target;
   std::size_t clip = 0, first_frame = 0, frames = 0;
+  std::size_t size = 0;  // positions before the padding
 };
 
 // One window of `tokens_in_window` tokens (padded when the clip is shorter), starting at

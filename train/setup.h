@@ -9,9 +9,13 @@ struct TrainSetup {
   RunConfig config;
   Dataset dataset;
   Tokenizer tokenizer;
+  std::string piece_bytes;  // SentencePiece's file; empty without pieces
+  PieceVocabulary pieces;
   ModelDescription description;
   std::shared_ptr<LanguageModel> model;
   Corpus train, validation;
+
+  StreamEncoding encoding() const { return {tokenizer, description.conditions, &pieces}; }
 };
 
 // Throws UsageError or DataError when the pieces do not fit together.

@@ -33,6 +33,7 @@ constexpr std::size_t kSelfTestTokens = 1024;
 ModelInput self_test_window(const ModelDescription& model, const Window& window) {
   const auto prefix = static_cast<std::size_t>(model.prefix()),
              per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
+  if (model.has_pieces()) return slice(window.input, 0, std::min(kSelfTestTokens, window.size));
   std::size_t tokens = std::min(kSelfTestTokens, prefix + window.frames * per_frame);
   if ((tokens - prefix) % per_frame + 1 == per_frame) --tokens;  // a bin comes next
   return slice(window.input, 0, tokens);
@@ -58,6 +59,7 @@ class Run {
                 epoch_encoder()),
         validation_(
             even_windows(setup_.validation, setup_.description, config_.validation_windows)),
+        per_frame_(predicted_per_frame(setup_.validation, setup_.description)),
         optimizer_((setup_.model->to(device_), *setup_.model), config_) {
     setup_.model->set_precision(choose_precision(config_.precision, device_));
     setup_.description.training = {
@@ -108,7 +110,7 @@ class Run {
   }
 
  private:
-  double bits(double nats) const { return bits_per_frame(nats, setup_.description); }
+  double bits(double nats) const { return bits_per_frame(nats, per_frame_); }
   double elapsed() const { return done_.seconds + seconds_since(start_); }
 
   // Share of the run that is done, by steps or by time, whichever is further.
@@ -135,8 +137,8 @@ class Run {
       augmentation.seed =
           stable_hash("epoch " + std::to_string(epoch), static_cast<std::uint64_t>(config_.seed));
       // One thread: the others train.
-      return encode_split(setup_.dataset, "train", setup_.tokenizer, setup_.description.conditions,
-                          config_.mirror, 1, augmentation, &stop);
+      return encode_split(setup_.dataset, "train", setup_.encoding(), config_.mirror, 1,
+                          augmentation, &stop);
     };
   }
 
@@ -207,6 +209,7 @@ class Run {
     stored.description = setup_.description;
     stored.tensors = export_weights(*setup_.model);
     stored.tokenizer = setup_.tokenizer.to_json();
+    stored.pieces = setup_.piece_bytes;
     std::vector<ModelInput> inputs;
     for (std::size_t i = 0; i < std::min<std::size_t>(2, validation_.size()); ++i)
       inputs.push_back(self_test_window(setup_.description, validation_[i]));
@@ -243,6 +246,7 @@ class Run {
   at::Device device_;
   Epochs epochs_;
   std::vector<Window> validation_;
+  double per_frame_;  // predicted tokens of a frame
   Optimizer optimizer_;
   Progressed done_;
   double smooth_ = 0, rate_ = 0, waiting_ = 0;
@@ -268,7 +272,11 @@ void check_out(const TrainOptions& options) {
 }  // namespace
 
 double bits_per_frame(double nats_per_token, const ModelDescription& model) {
-  return nats_per_token * static_cast<double>(model.predicted_per_frame()) / std::log(2.0);
+  return bits_per_frame(nats_per_token, static_cast<double>(model.predicted_per_frame()));
+}
+
+double bits_per_frame(double nats_per_token, double predicted_per_frame) {
+  return nats_per_token * predicted_per_frame / std::log(2.0);
 }
 
 TrainResult train(const TrainOptions& given) {

@@ -19,6 +19,8 @@ struct TrainOptions {
   bool resume = false;
   std::string device = "auto";
   int threads = 0;
+  // The mocaplm that learns pieces (train/learn_pieces.h); empty: the one beside this program.
+  std::filesystem::path tokenize_program;
   std::int64_t stop_after_step = 0;  // stop there as if interrupted, with last/ saved; 0: never
 };
 
@@ -39,5 +41,6 @@ TrainResult train(const TrainOptions& options);
 
 // Thesis: mean cross-entropy in nats of a predicted token times such tokens of a frame, in bits.
 double bits_per_frame(double nats_per_token, const ModelDescription& model);
+double bits_per_frame(double nats_per_token, double predicted_per_frame);
 
 }  // namespace mocaplm

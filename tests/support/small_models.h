@@ -147,8 +147,9 @@ inline void add_frames_weights(RandomWeights& w, const ModelDescription& d) {
 inline void add_flat_weights(RandomWeights& w, const ModelDescription& d) {
   const ModelConfig& c = d.config;
   if (c.position == "custom") {
-    w.add("frame_embedding", {c.block_size / (d.shape.channels + 1) + 3, c.n_embd});
-    w.add("channel_embedding", {d.shape.channels + 2, c.n_embd});
+    const std::int64_t fewest = (d.shape.channels + d.shape.longest) / d.shape.longest;
+    w.add("frame_embedding", {c.block_size / fewest + 3, c.n_embd});
+    w.add("channel_embedding", {(d.shape.channels + 2) * d.shape.longest, c.n_embd});
   } else {
     w.add("position_embedding", {c.block_size, c.n_embd});
   }

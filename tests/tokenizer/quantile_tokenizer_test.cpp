@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "support/refusal.h"
@@ -99,6 +100,58 @@ TEST(QuantileTokenizer, AJointThatNeverMovesHasOneBinAndItIsSaid) {
   EXPECT_PRED2(contains, loss.table(tokenizer).text(), "3 channels have fewer bins (1 the fewest)");
   const Tokenizer back = Tokenizer::from_json(tokenizer.to_json(), "t");
   EXPECT_EQ(back.channel_bins(9), 1);
+}
+
+// A pose that no fitted clip shows becomes the outermost bin, and it is said how many values that
+// were and how far they lay outside.
+TEST(QuantileTokenizer, PosesBeyondTheFittedOnesAreBoundedAndCounted) {
+  std::vector<Clip> clips = some_clips();
+  for (Clip& clip : clips)  // the left knee bends between 0.1 and 0.5 about x
+    for (Eigen::Index t = 0; t < clip.frames(); ++t)
+      clip.poses.row(t).segment<3>(12) << 0.3 + 0.2 * std::sin(0.1 * static_cast<double>(t)), 0, 0;
+  double low = 9, high = -9;
+  for (const Clip& clip : clips) {
+    low = std::min(low, clip.poses.col(12).minCoeff());
+    high = std::max(high, clip.poses.col(12).maxCoeff());
+  }
+  for (const bool from_file : {false, true}) {
+    Tokenizer tokenizer = Tokenizer::fit(settings("quantile", 90, "none"), clips);
+    if (from_file) tokenizer = Tokenizer::from_json(tokenizer.to_json(), "t");
+    TokenizerLoss known;
+    for (const Clip& clip : clips) encode_and_measure(tokenizer, clip, known);
+    EXPECT_EQ(known.encoded.clamped, 0);
+    EXPECT_EQ(known.encoded.farthest_rotation, 0);
+
+    Clip strange = clips[0];
+    double farthest = 0;
+    std::int64_t outside = 0;
+    for (Eigen::Index t = 0; t < strange.frames(); ++t) {
+      const double bend = -0.4 + 0.007 * static_cast<double>(t);  // -0.4 to 1.7
+      strange.poses(t, 12) = bend;
+      const double beyond = std::max({low - bend, bend - high, 0.0});
+      farthest = std::max(farthest, beyond);
+      outside += beyond > 0;
+    }
+    ASSERT_GT(outside, 100);
+    TokenizerLoss loss;
+    const TokenStream stream = encode_and_measure(tokenizer, strange, loss);
+    EXPECT_EQ(loss.encoded.clamped, outside);
+    EXPECT_NEAR(loss.encoded.farthest_rotation, farthest, 1e-12);
+    // No pose is decoded to what was never seen, and the error is the distance and a bin.
+    const Clip back = tokenizer.decode(stream.ids, "x", strange.trans.row(0).transpose());
+    EXPECT_GE(back.poses.col(12).minCoeff(), low);
+    EXPECT_LE(back.poses.col(12).maxCoeff(), high);
+    EXPECT_LT(loss.component_max, (farthest + 0.02) * 180 / 3.14159);
+    const std::string table = loss.table(tokenizer).text();
+    EXPECT_PRED2(contains, table, "clamped values");
+    EXPECT_PRED2(contains, table, "farthest outside, rotations");
+  }
+  // A file from before the range was kept: the outermost bins' values stand for it.
+  const Tokenizer tokenizer = Tokenizer::fit(settings("quantile", 90), clips);
+  Json old = tokenizer.to_json();
+  for (auto& item : old["quantile_bins"].items()) item.value().erase("range");
+  EXPECT_EQ(Tokenizer::from_json(old, "t").fingerprint(), tokenizer.fingerprint());
+  EXPECT_NEAR(Tokenizer::from_json(old, "t").beyond(9, 1), 1 - tokenizer.bin_centre(9, 89), 1e-12);
 }
 
 TEST(QuantileTokenizer, JsonGoesThereAndBackExactly) {
