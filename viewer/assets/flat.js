@@ -78,7 +78,7 @@ class FlatView extends View {
     strokes.sort((s, t) => t.far - s.far);
     const edge = cssValue('--panel');
     for (const {a, b, owner, size, head} of strokes) {
-      if (head) b.copy(a.lerp(b, .45));  // a dot
+      if (head) b.copy(a.lerp(b, .55));
       this.project(a);
       this.project(b);
       if (a.z > 1 || b.z > 1) continue;
@@ -88,7 +88,7 @@ class FlatView extends View {
         pen.lineWidth = width;
         pen.beginPath();
         pen.moveTo(a.x, a.y);
-        pen.lineTo(b.x, b.y);
+        pen.lineTo(b.x, b.y + .01);  // a line without length is none, and so no head
         pen.stroke();
       }
     }

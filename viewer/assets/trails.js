@@ -45,20 +45,31 @@ class Trail {
     this.mesh.renderOrder = 3;
   }
 
+  // A smooth curve through the frames' places; slow clips get points between them.
+  curve(at, out) {
+    const {motion} = this.actor, place = new THREE.Vector3();
+    out.set(0, 0, 0);
+    for (const [frame, weight] of curveWeights(motion.frames, at)) {
+      out.addScaledVector(motion.place(frame, this.joint, place), weight);
+    }
+    return out;
+  }
+
   ribbon() {
     const {motion} = this.actor, {frames, fps} = motion, index = [];
-    const position = new Float32Array(6 * frames), way = new Float32Array(6 * frames);
-    const side = new Float32Array(2 * frames), when = new Float32Array(2 * frames);
+    const steps = this.steps = Math.max(1, Math.round(60 / fps)), last = (frames - 1) * steps;
+    const position = new Float32Array(6 * (last + 1)), way = new Float32Array(6 * (last + 1));
+    const side = new Float32Array(2 * (last + 1)), when = new Float32Array(2 * (last + 1));
     const at = new THREE.Vector3(), before = new THREE.Vector3(), after = new THREE.Vector3();
-    for (let f = 0; f < frames; f++) {
-      motion.place(f, this.joint, at);
-      motion.place(Math.max(f - 1, 0), this.joint, before);
-      motion.place(Math.min(f + 1, frames - 1), this.joint, after).sub(before);
+    for (let f = 0; frames > 1 && f <= last; f++) {
+      this.curve(f / steps, at);
+      this.curve(Math.max(f - 1, 0) / steps, before);
+      this.curve(Math.min(f + 1, last) / steps, after).sub(before);
       for (const k of [2 * f, 2 * f + 1]) {
         at.toArray(position, 3 * k);
         after.toArray(way, 3 * k);
         side[k] = k % 2 ? 1 : -1;
-        when[k] = f / fps;
+        when[k] = f / steps / fps;
       }
       if (f) index.push(2 * f - 2, 2 * f - 1, 2 * f, 2 * f, 2 * f - 1, 2 * f + 1);
     }
@@ -74,10 +85,10 @@ class Trail {
   // `length`: seconds up to now, 'past' or 'whole'.
   show(seconds, length) {
     const {motion} = this.actor, {now, span, tail} = this.skin.uniforms;
-    const last = Math.floor(motion.frameAt(seconds));
+    const {steps} = this, all = (motion.frames - 1) * steps;
     const fixed = length === 'past' || length === 'whole';
-    const first = fixed ? 0 : Math.max(Math.ceil((seconds - length) * motion.fps), 0);
-    const end = length === 'whole' ? motion.frames - 1 : last;
+    const first = fixed ? 0 : Math.max(Math.ceil((seconds - length) * motion.fps) * steps, 0);
+    const end = length === 'whole' ? all : Math.floor(motion.frameAt(seconds) * steps);
     now.value = Math.min(seconds, motion.seconds);
     span.value = fixed ? 2.5 : length;
     tail.value = fixed ? .5 : 0;
