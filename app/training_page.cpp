@@ -56,11 +56,9 @@ Table log_table(const std::vector<Json>& log) {
   const std::size_t stride = (log.size() + kRows - 1) / kRows;
   for (std::size_t i = (log.size() - 1) % stride; i < log.size(); i += stride) {
     const Json& line = log[i];
-    const double seconds = value(line, "seconds");
     table.row({format_number(value(line, "step")), cell(line, "bits_per_frame"),
                cell(line, "validation_bits_per_frame"), cell(line, "learning_rate"),
-               cell(line, "tokens_per_second"),
-               std::isfinite(seconds) ? Json(format_duration(seconds)) : Json()});
+               cell(line, "tokens_per_second"), format_duration(value(line, "seconds"))});
   }
   if (stride > 1)
     table.note("each " + std::to_string(stride) + "th of " + std::to_string(log.size()) +

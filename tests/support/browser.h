@@ -107,6 +107,8 @@ class Browser {
   void key(const std::string& key, const std::string& text = "", int modifiers = 0) {
     Json event = {{"type", "keyDown"}, {"key", key}, {"modifiers", modifiers}};
     if (!text.empty()) event["text"] = text;
+    // Chromium closes dialogs by the number.
+    if (key == "Escape") event["windowsVirtualKeyCode"] = 27;
     call("Input.dispatchKeyEvent", event);
     event["type"] = "keyUp";
     event.erase("text");
