@@ -21,7 +21,7 @@ function openView() {
       console.error(error);
       return null;
     }
-    say('This browser has no WebGL, or it is switched off: the figures are drawn flat.');
+    say('Drawn flat: WebGL is missing or off.');
   }
   return new FlatView(canvas, $('names'), motions);
 }
