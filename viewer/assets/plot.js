@@ -37,7 +37,8 @@ for (const picture of document.querySelectorAll('.picture')) {
     picture.append(tip);
     const box = mark.getBoundingClientRect(), frame = picture.getBoundingClientRect();
     const x = (box.left + box.right - tip.offsetWidth) / 2 - frame.left;
-    tip.style.left = Math.min(Math.max(x, 4), frame.width - tip.offsetWidth - 4) + 'px';
+    const inside = Math.min(Math.max(x, 4), frame.width - tip.offsetWidth - 4);
+    tip.style.left = inside + picture.scrollLeft + 'px';
     const above = box.top - frame.top - tip.offsetHeight - 8;
     tip.style.top = (above > 0 ? above : box.bottom - frame.top + 8) + 'px';
   });
