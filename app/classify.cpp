@@ -3,12 +3,14 @@
 #include <filesystem>
 #include <memory>
 
+#include "app/classification_page.h"
 #include "app/commands.h"
 #include "app/options.h"
 #include "classify/predict.h"
 #include "classify/train.h"
 #include "common/error.h"
 #include "common/files.h"
+#include "viewer/open.h"
 
 namespace mocaplm {
 
@@ -17,7 +19,7 @@ namespace {
 struct ClassifyCommand {
   ClassifyOptions train;
   std::vector<std::string> clips;
-  std::string json;
+  std::string json, page;
 };
 
 void run_classify(const CLI::App& app, const ClassifyCommand& command) {
@@ -36,9 +38,15 @@ void run_classify(const CLI::App& app, const ClassifyCommand& command) {
   if (train.data.empty())
     throw UsageError("give --data DATASET to train a classifier, or clips to classify with one");
   if (!std::filesystem::is_directory(train.out)) check_writable(train.out);
+  if (!command.page.empty()) check_page_path(command.page);
+  check_writable(command.page);
   std::printf("%s\n", settings_json(train.config).dump().c_str());
   std::fflush(stdout);
-  print_tables(classify_tables(classify(train)), command.json);
+  const ClassifyResult result = classify(train);
+  print_tables(classify_tables(result), command.json);
+  if (command.page.empty()) return;
+  write_page(command.page, classification_page(train, result));
+  std::printf("page: %s\n", command.page.c_str());
 }
 
 }  // namespace
@@ -60,6 +68,8 @@ void add_classify(CLI::App& app) {
       ->check(CLI::IsMember({"validation", "test"}))
       ->capture_default_str();
   classify->add_option("--json", command->json, "also write the tables as JSON");
+  classify->add_option("--page", command->page,
+                       "also write a page with plots and the clips that it gets wrong, .html");
   add_machine_options(*classify, train.device, train.threads);
   bind_options(*classify->add_option_group("classifier"), train.config);
   classify->callback([classify, command] { run_classify(*classify, *command); });

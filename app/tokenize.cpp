@@ -1,13 +1,17 @@
 // mocaplm tokenize: fit a tokenizer, say what it loses, write motion as text and read it back; and
 // the report of many tokenizers.
+#include <cstdio>
 #include <map>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/tokenize_page.h"
 #include "common/error.h"
 #include "common/files.h"
+#include "common/text.h"
 #include "tokenizer/tokenize.h"
+#include "viewer/open.h"
 #include "viewer/plot.h"
 
 namespace mocaplm {
@@ -16,7 +20,7 @@ namespace {
 
 struct TokenizeCommand {
   TokenizeOptions options;
-  std::string decode, json, plot;
+  std::string decode, json, plot, page;
   std::vector<std::string> report;
 };
 
@@ -85,6 +89,13 @@ void run_report(const TokenizeCommand& command) {
 
 void run_tokenize(const CLI::App& app, TokenizeCommand& command) {
   TokenizeOptions& options = command.options;
+  if (!command.page.empty()) {
+    check_page_path(command.page);
+    check_writable(command.page);
+    if (!command.decode.empty() || !command.report.empty())
+      throw UsageError("--page shows clips beside their tokens: it cannot be combined with " +
+                       std::string(command.report.empty() ? "--decode" : "--report"));
+  }
   if (!command.decode.empty() && (!options.inputs.empty() || options.text))
     throw UsageError("--decode takes neither clips nor --text");
   if (command.decode.empty() && options.inputs.empty())
@@ -106,7 +117,14 @@ void run_tokenize(const CLI::App& app, TokenizeCommand& command) {
   if (options.tiles.tiles > 0 && app.get_option("--root")->count() == 0)
     options.config.root = "absolute";
   if (command.decode.empty()) {
-    print_table(tokenize(options), command.json);
+    const Table table = tokenize(options);
+    print_table(table, command.json);
+    if (command.page.empty()) return;
+    const bool to_file = lower(options.out.extension().string()) == ".json";
+    write_page(
+        command.page,
+        tokenize_page(options, to_file ? options.out : options.out / "tokenizer.json", table));
+    std::printf("page: %s\n", command.page.c_str());
     return;
   }
   if (options.tokenizer.empty())
@@ -136,6 +154,8 @@ void add_tokenize(CLI::App& app) {
                        "fit and measure tokenizers, a row each: settings that change the others "
                        "given, \"tiles:60,keep:0.1,pca:42,lapped\", or a .json list of them");
   tokenize->add_option("--plot", command->plot, "write the report as an .svg picture, too");
+  tokenize->add_option("--page", command->page,
+                       "also write a page with clips beside what their tokens say, .html");
   tokenize->add_option("--json", command->json, "write the table as JSON, too");
   bind_options(*tokenize, options.config);
   bind_options(*tokenize, options.tiles);

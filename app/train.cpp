@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/training_page.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/text.h"
@@ -57,6 +58,16 @@ void run_range_test(const TrainCommand& command) {
   std::printf("curve: %s, numbers: range_test.json beside it\n", svg.c_str());
 }
 
+// A run that is done is not lost for a page.
+void write_curves(const std::filesystem::path& out) {
+  try {
+    write_page(out / "training.html", training_page(out));
+    std::printf("curves: %s\n", (out / "training.html").c_str());
+  } catch (const Error& error) {
+    std::fprintf(stderr, "note: the page with the curves was not written: %s\n", error.what());
+  }
+}
+
 void run_train(const CLI::App& app, TrainCommand& command) {
   TrainOptions& options = command.options;
   if (options.resume) check_resume(app);
@@ -82,6 +93,7 @@ void run_train(const CLI::App& app, TrainCommand& command) {
       static_cast<long long>(result.parameters), static_cast<long long>(result.steps),
       format_duration(result.seconds).c_str(), result.tokens_per_second, result.seconds_waiting,
       result.best_bits_per_frame, result.model.c_str());
+  write_curves(options.out);
 }
 
 }  // namespace

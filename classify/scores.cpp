@@ -67,6 +67,7 @@ TaskScore score_task(const LabelledSplit& split, std::size_t task,
     const int truth = split.clips[clip].classes[task], predicted = best_class(sum);
     clips.add(truth, predicted);
     ++score.confusion(truth, predicted);
+    if (truth != predicted) score.mistakes.push_back({split.clips[clip].name, truth, predicted});
   }
   score.window_accuracy = windows.accuracy();
   score.balanced_window_accuracy = windows.balanced();

@@ -9,12 +9,18 @@
 
 namespace mocaplm {
 
+struct Mistake {
+  std::string clip;
+  int truth = 0, predicted = 0;  // classes
+};
+
 struct TaskScore {
   double window_accuracy = 0, clip_accuracy = 0;  // shares of 1
   double balanced_window_accuracy = 0,
          balanced_clip_accuracy = 0;    // mean over the classes that occur
   std::int64_t windows = 0, clips = 0;  // that have the label
   Eigen::MatrixXi confusion;            // (classes, classes) clips: true class, predicted class
+  std::vector<Mistake> mistakes;        // clips, in the order of the split
 };
 
 // `log_scores` (windows, classes): log-probabilities up to a constant a row. A clip's class has the

@@ -50,21 +50,16 @@ std::string script_json(const Json& json) {
   return out;
 }
 
-std::string base64(const std::vector<std::int16_t>& values) {
+std::string base64(const std::vector<std::uint8_t>& bytes) {
   static constexpr char kDigits[] =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const std::size_t bytes = 2 * values.size();
-  const auto byte = [&](std::size_t i) -> std::uint32_t {
-    if (i >= bytes) return 0;
-    const auto value = static_cast<std::uint16_t>(values[i / 2]);
-    return i % 2 ? value >> 8 : value & 0xFF;
-  };
+  const auto byte = [&](std::size_t i) -> std::uint32_t { return i < bytes.size() ? bytes[i] : 0; };
   std::string out;
-  out.reserve((bytes + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes; i += 3) {
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const std::uint32_t group = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
     for (std::size_t k = 0; k < 4; ++k)
-      out += k > bytes - i ? '=' : kDigits[group >> (18 - 6 * k) & 63];
+      out += k > bytes.size() - i ? '=' : kDigits[group >> (18 - 6 * k) & 63];
   }
   return out;
 }

@@ -19,8 +19,8 @@ std::string escape_html(std::string_view text);
 // close the element; bytes that are not UTF-8 become U+FFFD.
 std::string script_json(const Json& json);
 
-// Little-endian int16, base64 (RFC 4648) with padding.
-std::string base64(const std::vector<std::int16_t>& values);
+// RFC 4648, with padding.
+std::string base64(const std::vector<std::uint8_t>& bytes);
 
 // Replaces every {{name}} by its value in one pass: a value is never searched itself. Throws Error
 // when the template names a value that is not given.

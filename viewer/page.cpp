@@ -8,18 +8,21 @@
 #include "viewer/assets.h"
 #include "viewer/figure.h"
 #include "viewer/html.h"
+#include "viewer/pack.h"
 
 namespace mocaplm {
 
 namespace {
 
 void check_page(const Page& page) {
-  if (assets::three_js.empty())
+  if (page.motions.empty() && page.plots.empty() && page.tables.empty())
+    throw UsageError("a page needs a motion, a plot or a table");
+  if (!page.motions.empty() && assets::three_js.empty())
     throw DataError(
         in_file("three.min.js"),
-        "this program was built without three.js and cannot write pages; install libjs-three and "
-        "configure the build again, or give -DMOCAPLM_THREE_JS=/path/to/three.min.js");
-  if (page.motions.empty()) throw UsageError("a page needs at least one motion");
+        "this program was built without three.js and cannot write pages with figures; install "
+        "libjs-three (scripts/install does) and configure the build again, or give "
+        "-DMOCAPLM_THREE_JS=/path/to/three.min.js");
   for (const PageMotion& motion : page.motions)
     for (const auto* joints : {&motion.highlighted_joints, &motion.trails})
       for (const int joint : *joints)
@@ -35,7 +38,7 @@ Json motion_json(const PageMotion& motion) {
                {"frames", figure.frames}, {"every", figure.every},
                {"unit", figure.unit},     {"highlighted", motion.highlighted_joints},
                {"trails", motion.trails}};
-  json["points"] = base64(figure.points);
+  json["points"] = pack_points(figure.points, 3 * kFigurePoints);
   return json;
 }
 
@@ -47,7 +50,8 @@ std::string facts(const Clip& clip) {
 }
 
 std::string captions_html(const Page& page) {
-  std::string out;
+  if (page.motions.empty()) return "";
+  std::string out = "<section aria-label=\"Motions\">\n<ul id=\"captions\">\n";
   for (const PageMotion& motion : page.motions) {
     out += "<li><h2>" + escape_html(motion.title) + "</h2>\n";
     if (!motion.caption.empty()) out += "<p>" + escape_html(motion.caption) + "</p>\n";
@@ -56,7 +60,7 @@ std::string captions_html(const Page& page) {
       out += "<p class=\"facts given\">" + escape_html(page.highlight_name) + "</p>\n";
     out += "</li>\n";
   }
-  return out;
+  return out + "</ul>\n</section>\n";
 }
 
 std::string settings_html(const Page& page) {
@@ -67,26 +71,56 @@ std::string settings_html(const Page& page) {
   return out + "</dl></section>\n";
 }
 
+std::string plots_html(const Page& page) {
+  std::string out;
+  for (const PagePlot& plot : page.plots)
+    out += "<section class=\"plot\">\n<div class=\"picture\">" + plot.svg + "</div>\n" +
+           html_table(plot.numbers) + "</section>\n";
+  return out;
+}
+
+std::string tables_html(const Page& page) {
+  std::string out;
+  for (const Table& table : page.tables) out += html_table(table);
+  return out.empty() ? "" : "<section aria-label=\"Tables\">\n" + out + "</section>\n";
+}
+
+std::string script_tag(std::string_view script) {
+  return "<script>\n" + std::string(script) + "</script>\n";
+}
+
+// The data, three.js and the player; where nothing moves, none of them.
+std::string scripts_html(const Page& page) {
+  std::string out;
+  if (!page.motions.empty()) {
+    Json motions = Json::array();
+    for (const PageMotion& motion : page.motions) motions.push_back(motion_json(motion));
+    const Json data = {{"motions", motions}, {"joints", joint_names()}};
+    out += "<script type=\"application/json\" id=\"data\">" + script_json(data) + "</script>\n";
+    out += fill_template(assets::three_html, {{"three", std::string(assets::three_js)}});
+    out += script_tag(assets::stage_js);
+  }
+  if (!page.plots.empty()) out += script_tag(assets::plot_js);
+  return out;
+}
+
 }  // namespace
 
 std::string render_page(const Page& page) {
   check_page(page);
-  Json motions = Json::array();
-  for (const PageMotion& motion : page.motions) motions.push_back(motion_json(motion));
-  std::string tables;
-  for (const Table& table : page.tables) tables += html_table(table);
+  const bool moves = !page.motions.empty();
   return fill_template(
       assets::page_html,
       {{"title", escape_html(page.title)},
        {"note", page.note.empty() ? "" : "<p class=\"note\">" + escape_html(page.note) + "</p>"},
+       {"style", std::string(assets::page_css)},
+       {"stage", moves ? std::string(assets::stage_html) : ""},
        {"captions", captions_html(page)},
        {"settings", settings_html(page)},
-       {"tables", tables},
-       {"style", std::string(assets::page_css)},
-       {"three", std::string(assets::three_js)},
-       {"data", script_json({{"motions", motions}})},
-       {"script", std::string(assets::body_js) + std::string(assets::figure_js) +
-                      std::string(assets::stage_js) + std::string(assets::page_js)}});
+       {"plots", plots_html(page)},
+       {"tables", tables_html(page)},
+       {"credit", moves ? " Drawn with three.js, MIT licence, included in this file." : ""},
+       {"scripts", scripts_html(page)}});
 }
 
 void write_page(const std::filesystem::path& path, const Page& page) {

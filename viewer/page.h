@@ -1,5 +1,5 @@
-// One self-contained HTML page that plays motions: three.js, data, style and script are all inside,
-// it is opened straight from disk and asks nothing of any network.
+// One self-contained HTML page that plays motions and shows plots and tables: three.js, data, style
+// and script are all inside, it is opened straight from disk and asks nothing of any network.
 #pragma once
 
 #include <filesystem>
@@ -20,17 +20,25 @@ struct PageMotion {
   std::string caption;      // a sentence for the list below the stage
 };
 
+// A picture (viewer/plot.h, viewer/chart.h) with its numbers in a table beside it.
+struct PagePlot {
+  std::string svg;  // markup, put into the page as it is
+  Table numbers;
+};
+
 struct Page {
   std::string title;
   std::string note;                             // shown beside the title, e.g. "procedural dances"
   std::string highlight_name = "given joints";  // what highlighted_joints are, for the legend
-  std::vector<PageMotion> motions;  // at least one; drawn left to right on a common clock
+  std::vector<PageMotion> motions;  // drawn left to right, or overlaid, on a common clock
+  std::vector<PagePlot> plots;
   std::vector<Table> tables;
   std::vector<std::pair<std::string, std::string>> settings;  // name, value
 };
 
-// All text is escaped. Throws UsageError when there is no motion or a joint does not exist,
-// DataError when a clip is not valid (check_clip) or this build has no three.js.
+// All text is escaped. Throws UsageError when there is neither motion nor plot nor table or a joint
+// does not exist, DataError when a clip is not valid (check_clip) or there are motions and this
+// build has no three.js.
 std::string render_page(const Page& page);
 void write_page(const std::filesystem::path& path, const Page& page);
 

@@ -72,15 +72,15 @@ std::string text_tag(double x, double y, const std::string& anchor, const std::s
 std::string axes_tags(const Plot& plot, const Axis& x, const Axis& y) {
   std::string svg;
   for (const double tick : plot_ticks(x.low, x.high, x.log)) {
-    svg += line_tag(x.at(tick), y.from, x.at(tick), y.to, "stroke=\"#e3e3e3\"");
+    svg += line_tag(x.at(tick), y.from, x.at(tick), y.to, "class=\"grid\" stroke=\"#e3e3e3\"");
     svg += text_tag(x.at(tick), y.from + 18, "middle", shown(tick));
   }
   for (const double tick : plot_ticks(y.low, y.high, y.log)) {
-    svg += line_tag(x.from, y.at(tick), x.to, y.at(tick), "stroke=\"#e3e3e3\"");
+    svg += line_tag(x.from, y.at(tick), x.to, y.at(tick), "class=\"grid\" stroke=\"#e3e3e3\"");
     svg += text_tag(x.from - 8, y.at(tick) + 4, "end", shown(tick));
   }
-  svg += line_tag(x.from, y.from, x.to, y.from, "stroke=\"#333\"");
-  svg += line_tag(x.from, y.from, x.from, y.to, "stroke=\"#333\"");
+  svg += line_tag(x.from, y.from, x.to, y.from, "class=\"axis\" stroke=\"#333\"");
+  svg += line_tag(x.from, y.from, x.from, y.to, "class=\"axis\" stroke=\"#333\"");
   svg += text_tag((x.from + x.to) / 2, kHeight - 14, "middle", plot.x_label);
   const std::string middle = number((y.from + y.to) / 2);
   svg += text_tag(18, (y.from + y.to) / 2, "middle", plot.y_label,
@@ -92,14 +92,18 @@ std::string axes_tags(const Plot& plot, const Axis& x, const Axis& y) {
 std::string series_tags(const Plot& plot, const PlotSeries& series, const std::string& colour,
                         const Axis& x, const Axis& y) {
   std::string path, dots;
+  // Of a long line the points are for the mouse alone.
+  const bool quiet = series.line && series.points.size() > 40;
   for (const PlotPoint& point : series.points) {
     if (!x.shows(point.x) || !y.shows(point.y)) continue;
     const std::string px = number(x.at(point.x)), py = number(y.at(point.y));
     path += (path.empty() ? "" : " ") + px + "," + py;
     const std::string label = (point.label.empty() ? series.name : point.label);
-    dots += "<circle cx=\"" + px + "\" cy=\"" + py + "\" r=\"4\" fill=\"" + colour + "\"><title>" +
-            escape_html((label.empty() ? "" : label + "\n") + plot.x_label + ": " + shown(point.x) +
-                        "\n" + plot.y_label + ": " + shown(point.y)) +
+    const std::string tip =
+        escape_html((label.empty() ? "" : label + "\n") + plot.x_label + ": " + shown(point.x) +
+                    "\n" + plot.y_label + ": " + shown(point.y));
+    dots += "<circle cx=\"" + px + "\" cy=\"" + py + "\" r=\"4\" fill=\"" + colour + "\"" +
+            (quiet ? " fill-opacity=\"0\"" : "") + " data-tip=\"" + tip + "\"><title>" + tip +
             "</title></circle>\n";
   }
   if (!series.line) return dots;
@@ -161,7 +165,8 @@ std::string plot_svg(const Plot& plot) {
                     "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#333\" role=\"img\">\n"
                     "<title>" +
                     escape_html(plot.title) +
-                    "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+                    "</title>\n<rect class=\"paper\" width=\"100%\" height=\"100%\" "
+                    "fill=\"#fff\"/>\n";
   svg += axes_tags(plot, x, y);
   std::size_t colour = 0;
   double legend = kTop + 14;

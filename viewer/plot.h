@@ -1,6 +1,7 @@
 // A plot as an SVG file of its own: axes with ticks, lines or points, a legend; each point tells
 // its values when the mouse rests on it. No script, no font and no colour from elsewhere; it can be
-// read on a light and on a dark page, for it has a background.
+// read on a light and on a dark page, for it has a background. In a page (PagePlot) it takes the
+// page's colours, and its numbers come at once (assets/plot.css, plot.js).
 #pragma once
 
 #include <string>

@@ -64,6 +64,17 @@ TEST_F(TokenizeCommand, ReportsATableJsonAndAPlot) {
   EXPECT_PRED2(contains, read_file(folder_ / "b.svg"), "uniform, max");
 }
 
+TEST_F(TokenizeCommand, ShowsClipsBesideTheirTokens) {
+  for (const std::string words : {"--bins 90 --out " + at("bins.json"),
+                                  "--tiles 30 --pca 9 --root none --out " + at("tiles")}) {
+    const Ran ran = run(at("data") + " " + words + " --page " + at("page.html"));
+    EXPECT_EQ(ran.code, 0) << ran.text;
+    const std::string page = read_file(folder_ / "page.html");
+    EXPECT_PRED2(contains, page, ", from tokens</h2>");
+    EXPECT_PRED2(contains, page, "<dt>fingerprint</dt>");
+  }
+}
+
 TEST_F(TokenizeCommand, RefusesWhatDoesNotGoTogether) {
   const auto says = [&](const std::string& arguments, const std::string& part) {
     const Ran ran = run(arguments);
@@ -75,6 +86,8 @@ TEST_F(TokenizeCommand, RefusesWhatDoesNotGoTogether) {
   says(data + " --report bins:90 --out " + at("x"), "--report takes none of");
   says(data + " --report bin:90", "did you mean \"bins\"");
   says(data + " --plot x.svg --out " + at("x"), "--plot");
+  says(data + " --page x.npz --out " + at("x"), ".html");
+  says(data + " --page x.html --report bins:90", "--report");
   says(data + " --tiles 30 --root steps --out " + at("x"), "absolute or none");
   says(data + " --tiles 30 --pca 9 --ica 9 --out " + at("x"), "not both");
   says(data + " --bpe 900 --out " + at("x.json"), "need a folder");

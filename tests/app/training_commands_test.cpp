@@ -30,6 +30,8 @@ TEST_F(TrainingCommands, ARunHoldsModelsALogAndItsSettings) {
     for (const char* file :
          {"settings.json", "log.jsonl", "best/complete", "last/optimizer.safetensors"})
       EXPECT_TRUE(fs::exists(path(run) / file)) << run << "/" << file;
+  EXPECT_NE(read_file(path("run/training.html")).find("<title>Bits a frame</title>"),
+            std::string::npos);
   EXPECT_EQ(load_json(path("run/best/config.json"))["conditions"].size(), 0u);
   EXPECT_EQ(load_json(path("tuned/best/config.json"))["conditions"].size(), 5u);
   EXPECT_EQ(load_json(path("run/settings.json"))["config"]["train"]["steps"], 4);
@@ -116,7 +118,11 @@ TEST_F(TrainingCommands, ClassifyPrintsTheThreeMethodsAndKeepsAClassifier) {
   EXPECT_EQ(load_json(path("classify.json")).size(), 5u);
   EXPECT_EQ(load_json(path("classifier/config.json"))["classes"].size(), 1u);
   EXPECT_NE(must("info " + at("classifier")).find("classifies genre"), std::string::npos);
-  must(classify + " --out " + at("classifier"));  // an earlier classifier may be replaced
+  must(classify + " --out " + at("classifier") +  // an earlier classifier may be replaced
+       " --page " + at("classes.html"));
+  const std::string page = read_file(path("classes.html"));
+  EXPECT_NE(page.find("<title>genre: what is taken for what</title>"), std::string::npos);
+  EXPECT_NE(page.find("Transformer: "), std::string::npos);
   must("classify --threads 1 --model " + at("classifier") + " --json " + at("said.json") + " " +
        at("data/clips/" + prompt() + ".npz"));
   EXPECT_EQ(load_json(path("said.json")).at("rows").size(), 1u);

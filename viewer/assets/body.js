@@ -1,60 +1,20 @@
-'use strict';
-
-// A motion's frames and the figure drawn from them. Points of a frame: SMPL's 24 joints, then
-// crown, face, heels and toe tips (viewer/figure.h). Metres, Y up.
-const POINTS = 30;
-const CROWN = 24, FACE = 25;
-
-class Motion {
-  constructor(data) {
-    Object.assign(this, data);
-    const bytes = Uint8Array.from(atob(data.points), (c) => c.charCodeAt(0));
-    this.points = new Int16Array(bytes.buffer);
-    this.seconds = (data.frames - 1) / data.fps;
-    this.measure();
-  }
-
-  // The box around everything that the body reaches.
-  measure() {
-    this.low = [0, 0, 0];
-    this.high = [0, 0, 0];
-    for (let i = 0; i < this.points.length; i++) {
-      const value = this.points[i] * this.unit;
-      this.low[i % 3] = Math.min(this.low[i % 3], value);
-      this.high[i % 3] = Math.max(this.high[i % 3], value);
-    }
-  }
-
-  // The frame shown at a time, with a fraction between frames; held at both ends.
-  frameAt(seconds) {
-    const at = Math.min(Math.max(seconds * this.fps, 0), this.frames - 1);
-    return Math.abs(at - Math.round(at)) < 1e-4 ? Math.round(at) : at;
-  }
-
-  // Fills `out` with (POINTS, 3) metres; between two frames on the straight line.
-  sample(seconds, out) {
-    const at = this.frameAt(seconds), frame = Math.floor(at), share = at - frame;
-    const size = 3 * POINTS, a = frame * size, b = share > 0 ? a + size : a;
-    for (let i = 0; i < size; i++) {
-      out[i] = this.unit * (this.points[a + i] * (1 - share) + this.points[b + i] * share);
-    }
-    return out;
-  }
-}
+// The shapes of the figure, on the points of assets/motion.js.
 
 // From a point to a point, the joint whose rotation carries it, and [share of the way, radius].
-// The left side; every left joint or point is followed by the right one.
+// The left side; every left joint or point is followed by the right one, the neck is between.
 const LEFT_LIMBS = [
   [1, 4, 1, [[0, .088], [.2, .086], [.55, .068], [.9, .053], [1, .0515]]],
-  [4, 7, 4, [[0, .053], [.12, .052], [.3, .056], [.55, .046], [.85, .032], [1, .034]]],
+  [4, 7, 4, [[0, .0505], [.12, .052], [.3, .056], [.55, .046], [.85, .032], [1, .034]]],
   [7, 26, 7, [[0, .0345], [1, .031]]],
-  [13, 16, 13, [[0, .048], [.5, .054], [1, .055]]],
-  [16, 18, 16, [[0, .058], [.3, .05], [.6, .044], [1, .036]]],
-  [18, 20, 18, [[0, .0375], [.2, .041], [.5, .035], [1, .025]]],
-  [20, 22, 20, [[0, .026], [.6, .034], [1.1, .035], [1.6, .026], [1.9, .016]]],
+  [13, 16, 13, [[0, .054], [.5, .056], [1, .049]]],
+  [12, 16, 13, [[0, .05], [.35, .047], [.7, .048], [1, .045]]],
+  [16, 18, 16, [[0, .057], [.18, .056], [.4, .048], [.7, .042], [1, .037]]],
+  [18, 20, 18, [[0, .0345], [.12, .039], [.3, .0405], [.6, .033], [1, .0255]]],
+  [20, 22, 20, [[0, .0245], [.3, .028], [.7, .035], [1.1, .036], [1.5, .03], [1.8, .022]]],
 ];
+const right = (point) => point === 12 ? 12 : point + 1;
 const LIMBS =
-    LEFT_LIMBS.concat(LEFT_LIMBS.map(([a, b, owner, shape]) => [a + 1, b + 1, owner + 1, shape]))
+    LEFT_LIMBS.concat(LEFT_LIMBS.map(([a, b, owner, shape]) => [right(a), b + 1, owner + 1, shape]))
         .concat([[12, 15, 12, [[0, .044], [.4, .048], [1, .05]]]]);
 
 // The trunk is a skin over rings: centre as [point, weight] pairs, half width, half depth, how far
@@ -68,10 +28,10 @@ const TRUNK = [
   [[[3, .6], [6, .4]], .134, .101, .4, 3],
   [[[6, .45], [9, .3], [13, .125], [14, .125]], .15, .111, .7, 6],
   [[[9, .45], [13, .275], [14, .275]], .163, .112, .9, 9],
-  [[[9, .1], [13, .45], [14, .45]], .142, .1, 1, 9],
-  [[[12, .3], [13, .35], [14, .35]], .1, .08, 1, 9],
-  [[[12, .78], [13, .11], [14, .11]], .057, .056, 1, 9],
-  [[[12, .9], [15, .1]], .05, .05, 1, 12],
+  [[[9, .1], [13, .45], [14, .45]], .156, .104, 1, 9],
+  [[[12, .3], [13, .35], [14, .35]], .132, .09, 1, 9],
+  [[[12, .78], [13, .11], [14, .11]], .082, .066, 1, 9],
+  [[[12, .88], [15, .12]], .047, .047, 1, 12],
 ];
 
 // A foot lies along a line between two points, its up is from heel to ankle: [share of the way,
@@ -173,7 +133,7 @@ function headGeometry() {
   for (let i = 0; i < position.count; i++) {
     const x = position.getX(i), y = position.getY(i), z = position.getZ(i);
     const low = Math.max(-y, 0), front = Math.max(z, 0);
-    const nose = .02 * Math.exp(-(x * x * 60 + (y + .18) ** 2 * 22)) * front;
+    const nose = .018 * Math.exp(-(x * x * 34 + (y + .18) ** 2 * 22)) * front;
     position.setXYZ(
         i, .077 * x * (1 - .22 * low * low), .085 + .118 * y - .01 * low * front,
         .014 + .098 * z * (1 - .22 * low) + .022 * low + nose);
@@ -184,5 +144,5 @@ function headGeometry() {
 
 function material(colour) {
   return new THREE.MeshStandardMaterial(
-      {color: new THREE.Color(colour).convertSRGBToLinear(), roughness: .62, metalness: 0});
+      {color: new THREE.Color(colour).convertSRGBToLinear(), roughness: .5, metalness: 0});
 }

@@ -1,16 +1,15 @@
-// The figure of one motion: meshes in a group of their own, moved by show(seconds).
+const DEPTH_ALONE = new THREE.MeshBasicMaterial({colorWrite: false, transparent: true});
+
+// The figure of one actor (assets/view.js): meshes in a group of their own, moved to where its
+// points are.
 class Figure {
-  constructor(motion, colour, given) {
-    this.motion = motion;
-    this.now = new Float32Array(3 * POINTS);
+  constructor({motion, colour, now}, given) {
+    this.now = now;
     this.group = new THREE.Group();
-    // A material draws either single meshes or instances: the trails have their own.
     this.materials = {own: material(colour), given: material(given)};
-    this.beads = {own: material(colour), given: material(given)};
     const highlighted = new Set(motion.highlighted);
     const skin = (joint) => highlighted.has(joint) ? this.materials.given : this.materials.own;
 
-    motion.sample(0, this.now);
     this.limbs = LIMBS.map(([from, to, owner, shape]) => {
       const length = this.point(from).distanceTo(this.point(to));
       return {mesh: this.add(limbGeometry(length, shape), skin(owner)), from, to};
@@ -25,8 +24,7 @@ class Figure {
     }
     this.head = this.add(headGeometry(), skin(15));
     this.buildTrunk(highlighted);
-    this.buildTrails(motion.trails.length ? motion.trails : [20, 21]);
-    this.show(0);
+    this.move();
   }
 
   add(geometry, skin) {
@@ -51,26 +49,29 @@ class Figure {
     this.add(this.trunk, [this.materials.own, this.materials.given]);
   }
 
-  buildTrails(joints) {
-    const beads = 80, ball = new THREE.SphereBufferGeometry(1, 8, 6);
-    this.trails = joints.map((joint) => {
-      const skin = this.motion.highlighted.includes(joint) ? 'given' : 'own';
-      const mesh = new THREE.InstancedMesh(ball, this.beads[skin], beads);
-      mesh.frustumCulled = false;
-      mesh.visible = false;
-      this.group.add(mesh);
-      return {mesh, joint, beads};
-    });
+  // A ghost is seen through, but only its front: its depth is drawn before its colour.
+  setGhost(on) {
+    for (const skin of Object.values(this.materials)) {
+      Object.assign(skin, {transparent: on, opacity: on ? .45 : 1, needsUpdate: true});
+    }
+    for (const mesh of this.group.children) {
+      mesh.remove(...mesh.children);
+      mesh.renderOrder = on ? 6 : 0;
+      mesh.castShadow = !on;
+      if (!on) continue;
+      const depth = new THREE.Mesh(mesh.geometry, DEPTH_ALONE);
+      depth.renderOrder = 5;
+      depth.frustumCulled = false;
+      mesh.add(depth);
+    }
   }
 
-  // Puts the whole body where it is at a time.
-  show(seconds) {
-    this.motion.sample(seconds, this.now);
+  // Puts the whole body where its points are.
+  move() {
     this.moveLimbs();
     this.moveHead();
     this.moveTrunk();
     this.feet.forEach((foot) => this.moveFoot(foot));
-    this.moveTrails(seconds);
   }
 
   moveLimbs() {
@@ -122,21 +123,5 @@ class Figure {
   finish(geometry) {
     geometry.attributes.position.needsUpdate = true;
     geometry.computeVertexNormals();
-  }
-
-  moveTrails(seconds) {
-    const past = new Float32Array(3 * POINTS), matrix = new THREE.Matrix4();
-    for (const {mesh, joint, beads} of this.trails) {
-      if (!mesh.visible) continue;
-      for (let i = 0; i < beads; i++) {
-        const then = seconds - i * 0.015;
-        this.motion.sample(then, past);
-        const radius = then < 0 ? 0 : .016 * (1 - i / beads);
-        matrix.makeScale(radius, radius, radius)
-            .setPosition(past[3 * joint], past[3 * joint + 1], past[3 * joint + 2]);
-        mesh.setMatrixAt(i, matrix);
-      }
-      mesh.instanceMatrix.needsUpdate = true;
-    }
   }
 }
