@@ -1,5 +1,6 @@
 // mocaplm gesture: movements by function expansion (Lippi, Avizzano and Ruffaldi 2012). Here: fit
 // and test; play and juggle have files of their own.
+#include <cmath>
 #include <memory>
 
 #include "app/commands.h"

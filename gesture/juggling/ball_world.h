@@ -43,7 +43,7 @@ class BallWorld {
 // Seconds of the past that speed and acceleration of the hand are worked out from: at 200 Hz and
 // 0.3 mm of noise the acceleration is then known to 1 m/s2.
 constexpr double kHandWindow = 0.05;
-// A phase lasts at least this long.
-constexpr double kHandMinSeconds = 0.12;
+// A phase lasts at least this long: the hand comes home, and only then goes up to toss.
+constexpr double kHandMinSeconds = 0.2;
 
 }  // namespace mocaplm

@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kPhases =
     " --phases 'toss: v_y < 0,down: y < -0.25,catch: event catch,return: near x=0.2 y=0 by 0.04'"
-    " --cycle --min-seconds 0.12 ";
+    " --cycle --min-seconds 0.2 ";
 
 class Gesture : public ::testing::Test {
  protected:
@@ -138,7 +138,7 @@ TEST_F(Gesture, BadInputIsAClearAnswer) {
   refused("juggle --toss-threshold 60", 2, "toss_threshold");
   refused("juggle --cycles 0", 2, "--cycles");
   refused("fit " + at("none.csv") + " --out " + at("m.json"), 3, "none.csv");
-  refused("fit", 2, "--out");
+  refused("fit", 2, "required");
   EXPECT_EQ(run_mocaplm("gesture").code, 2);
 }
 

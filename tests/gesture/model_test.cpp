@@ -47,8 +47,8 @@ TEST(GestureModel, RefusesWhatIsNotOne) {
   bad("/phases/0/name", "", "name");
   bad("/phases/0/rule", "z < 1", "rule");
   bad("/phases/0/coordinates", {"x", "x"}, "coordinates");
-  bad("/phases/0/coordinates", {"x"}, "rows");
-  bad("/phases/0/conditions", {"start"}, "f");
+  bad("/phases/0/coordinates", Json::array({"x"}), "rank");
+  bad("/phases/0/conditions", Json::array({"start"}), "rank");
   bad("/phases/0/harmonics", 0, "harmonics");
   bad("/phases/0/harmonics", 7, "rows");
   bad("/phases/0/f/3/1", nullptr, "finite");

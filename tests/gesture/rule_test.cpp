@@ -55,7 +55,7 @@ TEST(Rule, ASpeedMinimumIsFoundAfterItsRise) {
   const auto swing = [](double t) { return Eigen::Vector2d(std::sin(t), 0); };
   EXPECT_NEAR(over("speed minimum", swing), M_PI / 2, 0.012);
   // Never below half of the peak.
-  const auto wavy = [](double t) { return Eigen::Vector2d(t + 0.05 * std::sin(8 * t), 0); };
+  const auto wavy = [](double t) { return Eigen::Vector2d(t + 0.04 * std::sin(8 * t), 0); };
   EXPECT_EQ(over("speed minimum", wavy), -1);
   EXPECT_GT(over("speed minimum 0.9", wavy), 0);
   // The recording ends in rest.
