@@ -9,6 +9,7 @@
 #include "common/error.h"
 #include "common/files.h"
 #include "gesture/player.h"
+#include "gesture/variants.h"
 
 namespace mocaplm {
 
@@ -23,13 +24,6 @@ struct PlayCommand {
   std::string on = "hyperplane", correction = "hyperplane";
   int cycles = 1;
   std::uint64_t seed = 1;
-};
-
-// A movement that is compared with others: what the page draws and the table tells.
-struct Variant {
-  std::string name;
-  Eigen::MatrixXd p;
-  double from = 0;  // tau that it holds from
 };
 
 Eigen::VectorXd given(const std::vector<double>& numbers, const Eigen::VectorXd& fallback,
@@ -77,101 +71,42 @@ std::vector<std::optional<double>> velocities(const PlayCommand& command) {
   return all;
 }
 
-// (n, V) at n times from `from` * T to T.
-Eigen::MatrixXd sampled(const Variant& variant, const PhaseModel& phase, Eigen::Index n) {
-  const Basis basis(phase.harmonics);
-  Eigen::MatrixXd values(n, phase.dimensions());
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(n - 1);
-    values.row(i) =
-        (variant.p.transpose() * basis.at(variant.from + (1 - variant.from) * share)).transpose();
-  }
-  return values;
-}
-
-Table variant_table(const std::vector<Variant>& variants, const PhaseModel& phase,
-                    double duration) {
-  std::vector<std::string> columns = {"movement"};
-  for (const std::string& name : phase.coordinates) {
-    columns.push_back("end " + name);
-    columns.push_back("end v_" + name);
-  }
-  for (const char* name : {"change of P", "peak acceleration", "jump of speed"})
-    columns.push_back(name);
-  Table table("phase " + phase.name + ", T = " + format_fixed(duration, 3) + " s", columns);
-  std::vector<int> digits(columns.size(), 4);
-  digits[0] = -1;
-  digits[columns.size() - 2] = 2;
-  table.digits(digits);
-  const Basis basis(phase.harmonics);
-  for (const Variant& variant : variants) {
-    const Eigen::MatrixXd& before = variants[0].p;
-    std::vector<Json> row = {variant.name};
-    const Eigen::VectorXd end = variant.p.transpose() * basis.at(1);
-    const Eigen::VectorXd speed = variant.p.transpose() * basis.derivative(1) / duration;
-    for (Eigen::Index v = 0; v < phase.dimensions(); ++v) {
-      row.push_back(end(v));
-      row.push_back(speed(v));
-    }
-    double peak = 0;
-    for (int i = 0; i <= 400; ++i) {
-      const double tau = variant.from + (1 - variant.from) * i / 400.0;
-      peak = std::max(peak, (variant.p.transpose() * basis.second(tau)).norm());
-    }
-    row.push_back((variant.p - before).norm());
-    row.push_back(peak / (duration * duration));
-    row.push_back(((variant.p - before).transpose() * basis.derivative(variant.from)).norm() /
-                  duration);
-    if (variant.from == 0) row.back() = nullptr;
-    table.row(row);
-  }
-  return table;
-}
-
-std::vector<Plot> variant_plots(const std::vector<Variant>& variants, const PhaseModel& phase,
-                                double duration) {
+std::vector<Plot> variant_plots(const std::vector<MovementVariant>& variants,
+                                const PhaseModel& phase, double duration) {
   std::vector<Plot> plots;
   for (Eigen::Index v = 0; v < phase.dimensions(); ++v) {
     const std::string& name = phase.coordinates[static_cast<std::size_t>(v)];
     Plot plot{"Phase " + phase.name + ", " + name, "s", name, false, false, {}};
-    for (const Variant& one : variants)
+    for (const MovementVariant& one : variants)
       plot.series.push_back(
           line_series(one.name, Eigen::VectorXd::LinSpaced(120, one.from * duration, duration),
-                      sampled(one, phase, 120).col(v)));
+                      sampled(one, 120).col(v)));
     plots.push_back(plot);
   }
   return plots;
 }
 
 // The movement as planned, and what was asked for in all its variants; `chosen` is the one to play.
-std::vector<Variant> all_variants(const PhaseModel& phase, const Boundary& boundary,
-                                  const PlayCommand& command, std::size_t& chosen) {
-  std::vector<Variant> all = {{"planned", phase.coefficients(boundary), 0}};
+std::vector<MovementVariant> all_variants(const PhaseModel& phase, const Boundary& boundary,
+                                          const PlayCommand& command, std::size_t& chosen) {
+  std::vector<MovementVariant> all = {{"planned", phase.coefficients(boundary), 0}};
   chosen = 0;
-  const auto choose = [&](const std::string& name, const std::string& wanted, Variant variant) {
-    if (name == wanted) chosen = all.size();
-    all.push_back(std::move(variant));
+  const auto choose = [&](const std::string& name) {
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (all[i].name == name) chosen = i;
   };
-  if (!command.end_velocity.empty())
-    for (const auto& [name, kind] : {std::pair{"hyperplane", EndVelocity::hyperplane},
-                                     {"closest", EndVelocity::closest},
-                                     {"free", EndVelocity::free}})
-      choose(name, command.on,
-             {std::string("end velocity, ") + name,
-              with_end_velocity(phase, all[0].p, velocities(command), boundary.duration, kind), 0});
+  if (!command.end_velocity.empty()) {
+    all = end_velocity_variants(phase, all[0].p, velocities(command), boundary.duration);
+    choose(command.on);
+  }
   if (command.correct_at <= 0) return all;
   const Eigen::MatrixXd p = all[chosen].p;
   const Basis basis(phase.harmonics);
-  const Eigen::VectorXd state =
-      given(command.state, p.transpose() * basis.at(command.correct_at), "--state");
-  const Eigen::VectorXd target = given(command.target, p.transpose() * basis.at(1), "--target");
-  all = {{"planned", p, 0}};
-  for (const auto& [name, kind] : {std::pair{"minimum", Correction::minimum},
-                                   {"smooth", Correction::smooth},
-                                   {"hyperplane", Correction::hyperplane}})
-    choose(name, command.correction,
-           {std::string("corrected, ") + name,
-            corrected(phase, p, command.correct_at, state, target, kind), command.correct_at});
+  const Eigen::VectorXd now = p.transpose() * basis.at(command.correct_at);
+  const Eigen::VectorXd last = p.transpose() * basis.at(1);
+  all = correction_variants(phase, p, command.correct_at, given(command.state, now, "--state"),
+                            given(command.target, last, "--target"));
+  choose(command.correction);
   return all;
 }
 
@@ -179,7 +114,7 @@ PlayedMovement play_phase(const PhaseModel& phase, const PlayCommand& command,
                           std::vector<Table>& tables, std::vector<Plot>& plots) {
   const Boundary boundary = boundary_of(phase, command);
   std::size_t chosen = 0;
-  const std::vector<Variant> all = all_variants(phase, boundary, command, chosen);
+  const std::vector<MovementVariant> all = all_variants(phase, boundary, command, chosen);
   tables.push_back(variant_table(all, phase, boundary.duration));
   plots = variant_plots(all, phase, boundary.duration);
   const double count = std::floor(boundary.duration * command.rate + 1e-9);
