@@ -20,6 +20,7 @@ struct JuggleConfig {
   double push = 0;
   std::string correction = "hyperplane";
   std::string toss_ends = "inversion";
+  bool stop_toss = false;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -41,6 +42,8 @@ struct JuggleConfig {
              "that without a jump of the speed, or on the hyperplane");
     v.choice("toss_ends", toss_ends, {"inversion", "toss"},
              "where the phase toss ends: where the hand turns down, or where the ball leaves it");
+    v.boolean("stop_toss", stop_toss,
+              "plan the toss with a vertical speed of zero at its end (equation 9)");
   }
 };
 

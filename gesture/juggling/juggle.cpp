@@ -55,7 +55,7 @@ class Juggler {
     if (phase == kCatch && !world_.held())
       boundary.end = Eigen::VectorXd(world_.ball_in(boundary.duration));
     Eigen::MatrixXd p = model_.phases[phase].coefficients(boundary);
-    if (phase == kToss)
+    if (phase == kToss && config_.stop_toss)
       p = with_end_velocity(model_.phases[phase], p, {std::nullopt, 0.0}, boundary.duration,
                             EndVelocity::hyperplane);
     if (world_.hand().velocity.size() == 2) {

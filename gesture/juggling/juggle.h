@@ -2,9 +2,9 @@
 // that they were recorded in.
 //
 // A phase is planned when it begins: its end and T are drawn from the demonstrations, but for the
-// catch, whose end is where the ball will be at T. The toss gets a vertical speed of zero at its
-// end (equation 9). On the way to the catch hand and ball are watched; when the hand is not where
-// it should be, or the ball will not be, the movement is replanned (equation 10).
+// catch, whose end is where the ball will be at T. With stop_toss the toss gets a vertical speed of
+// zero at its end (equation 9). On the way to the catch hand and ball are watched; when the hand is
+// not where it should be, or the ball will not be, the movement is replanned (equation 10).
 #pragma once
 
 #include "gesture/juggling/ball_world.h"
