@@ -108,7 +108,7 @@ std::string series_tags(const Plot& plot, const PlotSeries& series, const std::s
   }
   if (!series.line) return dots;
   return "<polyline points=\"" + path + "\" fill=\"none\" stroke=\"" + colour +
-         "\" stroke-width=\"2\"/>\n" + dots;
+         "\" stroke-width=\"2\"/>\n" + (series.dots ? dots : "");
 }
 
 }  // namespace
@@ -171,7 +171,8 @@ std::string plot_svg(const Plot& plot) {
   std::size_t colour = 0;
   double legend = kTop + 14;
   for (const PlotSeries& series : plot.series) {
-    const std::string ink = kColours[colour++ % std::size(kColours)];
+    const std::string ink = series.colour.empty() ? kColours[colour++ % std::size(kColours)]
+                                                  : escape_html(series.colour);
     svg += series_tags(plot, series, ink, x, y);
     if (series.name.empty()) continue;
     svg += "<circle cx=\"" + number(x.to + 18) + "\" cy=\"" + number(legend - 4) +

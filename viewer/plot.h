@@ -17,7 +17,9 @@ struct PlotPoint {
 struct PlotSeries {
   std::string name;  // in the legend; without one the series is not listed
   std::vector<PlotPoint> points;
-  bool line = true;  // joined in the order given; else points alone
+  bool line = true;         // joined in the order given; else points alone
+  bool dots = true;         // a dot at each point of a line
+  std::string colour = "";  // as in CSS; empty: the next one of the palette
 };
 
 struct Plot {

@@ -18,6 +18,8 @@ namespace mocaplm {
 namespace {
 
 const fs::path kRoot = MOCAPLM_SOURCE_DIR;
+// Commands whose first word is a command of its own, with its own options.
+const std::set<std::string> kWithParts = {"gesture"};
 const std::set<std::string> kWithTorch = {"train",      "classify", "evaluate",
                                           "experiment", "infill",   "demo"};
 
@@ -34,19 +36,23 @@ std::vector<std::smatch> matches(const std::string& text, const std::regex& expr
 }
 
 struct Mention {
-  std::string where, command;
+  std::string where, command, part;
   std::vector<std::string> options;
 };
 
 // Every "mocaplm COMMAND ..." up to the end of its line or of its quotation, with its options.
 std::vector<Mention> mentions() {
   static const std::regex call("mocaplm ([a-z]+)([^`#\\n]*)"), option("--[a-z][a-z0-9-]*");
+  static const std::regex part("^ +([a-z]+)");
   std::vector<Mention> all;
   for (const fs::path& file : documents()) {
     const std::string text = std::regex_replace(read_file(file), std::regex("\\\\\\n"), " ");
     for (const std::smatch& match : matches(text, call)) {
-      Mention mention{file.filename().string() + ": " + match.str(0), match.str(1), {}};
+      Mention mention{file.filename().string() + ": " + match.str(0), match.str(1), "", {}};
       const std::string rest = match.str(2);
+      std::smatch first;
+      if (kWithParts.count(mention.command) && std::regex_search(rest, first, part))
+        mention.part = first.str(1);
       for (const std::smatch& one : matches(rest, option)) mention.options.push_back(one.str());
       all.push_back(mention);
     }
@@ -75,14 +81,15 @@ void check_options(bool with_torch) {
   for (const Mention& mention : mentions()) {
     if (known.count(mention.command) == 0 || kWithTorch.count(mention.command) != with_torch)
       continue;
-    if (help.count(mention.command) == 0) {
-      const Ran ran = run_mocaplm(mention.command + " --help");
+    const std::string command = mention.command + " " + mention.part;
+    if (help.count(command) == 0) {
+      const Ran ran = run_mocaplm(command + " --help");
       ASSERT_EQ(ran.code, 0) << ran.text;
-      help[mention.command] = ran.text;
+      help[command] = ran.text;
     }
     for (const std::string& option : mention.options) {
-      EXPECT_TRUE(has_option(help[mention.command], option))
-          << mention.where << "\n'mocaplm " << mention.command << "' has no " << option;
+      EXPECT_TRUE(has_option(help[command], option))
+          << mention.where << "\n'mocaplm " << command << "' has no " << option;
       ++checked;
     }
   }

@@ -29,6 +29,7 @@ struct Directory {
 const std::vector<Directory> kDirectories = {
     {"common", {}},
     {"numeric", {"common"}},
+    {"gesture", {"common", "numeric"}},
     {"motion", {"common", "numeric"}},
     {"tokenizer", {"common", "numeric", "motion"}},
     {"model", {"common"}},

@@ -8,6 +8,9 @@
 #include "common/files.h"
 #include "common/settings.h"
 #include "generate/sampler.h"
+#include "gesture/config.h"
+#include "gesture/juggling/config.h"
+#include "gesture/report.h"
 #include "infill/config.h"
 #include "model/config.h"
 #include "motion/import/config.h"
@@ -131,6 +134,18 @@ TEST(SettingsDocument, Classify) {
 
 TEST(SettingsDocument, Import) {
   expect_documented("import", rows_of(ImportConfig()));
+}
+
+TEST(SettingsDocument, Gesture) {
+  expect_documented("gesture", rows_of(GestureConfig()));
+}
+
+TEST(SettingsDocument, GestureTest) {
+  expect_documented("gesture test", rows_of(ReportConfig()));
+}
+
+TEST(SettingsDocument, Juggle) {
+  expect_documented("juggle", rows_of(JuggleConfig()));
 }
 
 TEST(SettingsDocument, Synth) {

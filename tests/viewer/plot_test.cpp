@@ -51,6 +51,16 @@ TEST(Plot, HoldsEveryPointWithItsValues) {
   EXPECT_EQ(count(svg, "<title>"), count(svg, "</title>"));
 }
 
+TEST(Plot, DrawsLinesWithoutDotsInAColourOfTheirOwn) {
+  Plot plot{"", "x", "y", false, false, {{"a", {{0, 1, ""}, {1, 2, ""}}}, {"b", {{0, 2, ""}}}}};
+  plot.series[0].dots = false;
+  plot.series[0].colour = "#bbbbbb";
+  const std::string svg = plot_svg(plot);
+  EXPECT_EQ(count(svg, "<circle"), 3u) << "one point, two in the legend";
+  EXPECT_EQ(count(svg, "\"#bbbbbb\""), 2u) << "line and legend";
+  EXPECT_EQ(count(svg, "#0072b2"), 3u) << "b takes the palette's first";
+}
+
 // Where the points lie in the picture: further right and further up for larger values.
 TEST(Plot, LargerIsFurtherRightAndUp) {
   for (const bool log : {false, true}) {
