@@ -24,12 +24,12 @@ Eigen::MatrixXf orthonormal(const Eigen::MatrixXf& columns) {
 }  // namespace
 
 LeadingComponents leading_components(const Eigen::Ref<const Eigen::MatrixXf>& x, Eigen::Index k,
-                                     std::uint64_t seed) {
+                                     std::uint64_t seed, bool centre) {
   assert(x.rows() >= 1 && k >= 1 && k <= x.cols());
   if (!x.allFinite())
     throw DataError(in_file("component analysis"), "the values are not all finite");
   LeadingComponents found;
-  found.mean = x.colwise().mean();
+  found.mean = centre ? x.colwise().mean().eval() : Eigen::RowVectorXf::Zero(x.cols()).eval();
   const Eigen::MatrixXf centred = x.rowwise() - found.mean;
   const Eigen::Index width = std::min(k + kOversampling, x.cols());
   Random random(seed);

@@ -31,6 +31,14 @@ TEST(LeadingComponents, AreThePrincipalOnes) {
   EXPECT_LT((found.basis.cast<double>() - exact.analysis).cwiseAbs().maxCoeff(), 1e-3);
 }
 
+// Without centring the mean is a direction as any other.
+TEST(LeadingComponents, SpanTheMeanWhenNotCentred) {
+  const Eigen::MatrixXf x = samples(200, 30, 3).cast<float>();
+  const LeadingComponents found = leading_components(x, 4, 1, false);
+  EXPECT_EQ(found.mean.norm(), 0);
+  EXPECT_LT((x - x * found.basis * found.basis.transpose()).norm(), 1e-4f * x.norm());
+}
+
 TEST(LeadingComponents, StayOrthonormalBeyondTheRank) {
   for (const Eigen::Index n : {1, 3, 50}) {
     const LeadingComponents found = leading_components(samples(n, 20, 4).cast<float>(), 20);
