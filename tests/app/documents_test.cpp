@@ -18,8 +18,8 @@ namespace mocaplm {
 namespace {
 
 const fs::path kRoot = MOCAPLM_SOURCE_DIR;
-const std::set<std::string> kWithTorch = {"train",      "classify", "evaluate",
-                                          "experiment", "infill",   "demo"};
+const std::set<std::string> kWithTorch = {"train",  "classify",    "evaluate", "experiment",
+                                          "infill", "interpolate", "demo"};
 
 std::vector<fs::path> documents() {
   std::vector<fs::path> files = {kRoot / "README.md"};

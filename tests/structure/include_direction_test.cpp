@@ -30,6 +30,8 @@ const std::vector<Directory> kDirectories = {
     {"common", {}},
     {"numeric", {"common"}},
     {"motion", {"common", "numeric"}},
+    {"spectral", {"common", "numeric", "motion"}},
+    {"spectral/interpolate", {"common", "numeric", "motion", "spectral"}, true},
     {"tokenizer", {"common", "numeric", "motion"}},
     {"model", {"common"}},
     {"model/transformer/cpu", {}},
