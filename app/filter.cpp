@@ -6,6 +6,7 @@
 #include "app/commands.h"
 #include "app/options.h"
 #include "app/spectral_files.h"
+#include "common/error.h"
 #include "spectral/clip_range.h"
 
 namespace mocaplm {
