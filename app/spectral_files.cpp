@@ -26,13 +26,22 @@ std::vector<Series> series_of(const NamedClips& clips) {
 // Thesis Figure 3.4.
 std::string spectrograms(const NamedClips& clips, std::int64_t window, std::int64_t hop) {
   const std::vector<Eigen::MatrixXd> pictures = stft_embeddings(series_of(clips), window, hop);
+  double low = pictures[0].minCoeff(), high = pictures[0].maxCoeff();
+  for (const Eigen::MatrixXd& picture : pictures) {
+    low = std::min(low, picture.minCoeff());
+    high = std::max(high, picture.maxCoeff());
+  }
+  // Low frequencies have most of the energy: three powers of ten below the most are shown.
+  const double unit = 1e-3 * std::max(high - low, 1e-12);
   std::vector<HeatMap> panels;
   for (std::size_t i = 0; i < clips.size(); ++i) {
     const double fps = clips[i].second.fps;
-    panels.push_back({clips[i].first, pictures[i],
-                      static_cast<double>(pictures[i].cols() * hop) / fps, fps / 2});
+    const Eigen::MatrixXd shown = ((pictures[i].array() - low) / unit + 1).log10();
+    panels.push_back(
+        {clips[i].first, shown, static_cast<double>(pictures[i].cols() * hop) / fps, fps / 2});
   }
-  return heat_maps_svg("first principal component of the STFT magnitudes", "seconds", "Hz", panels);
+  return heat_maps_svg("first principal component of the STFT magnitudes, logarithm", "seconds",
+                       "Hz", panels);
 }
 
 // Thesis Figures 3.3 and 3.5.
@@ -47,7 +56,8 @@ std::string coefficients(const NamedClips& clips) {
   for (std::size_t i = 0; i < clips.size(); ++i) {
     PlotSeries line{clips[i].first, {}, true};
     const double step = clips[i].second.fps / (2 * static_cast<double>(lines[i].size()));
-    for (Eigen::Index k = 0; k < std::min(kMostPoints, lines[i].size()); ++k)
+    // Without the mean (k = 0), which would leave no room for the others.
+    for (Eigen::Index k = 1; k < std::min(kMostPoints, lines[i].size()); ++k)
       line.points.push_back({step * static_cast<double>(k), lines[i][k], ""});
     plot.series.push_back(line);
   }

@@ -212,7 +212,9 @@ Table evaluate_query(const QueryEvaluation& options) {
                  std::to_string(index.clips().size()) + " clips are shorter than a window");
   }
   table.row(chance);
-  table.note("settings: " + settings_json(options.config).dump());
+  Json settings = settings_json(options.config);
+  settings.erase("feature");  // the rows name it
+  table.note("settings: " + settings.dump());
   if (dataset.procedural) table.note("procedural dances: rules made them");
   return table;
 }

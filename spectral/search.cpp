@@ -13,7 +13,8 @@ namespace mocaplm {
 namespace {
 
 constexpr Eigen::Index kBlock = 8192;  // rows that one worker takes at once: 2 MiB of sketches
-constexpr std::size_t kRefined = 256;  // rows compared in full before the bound is looked at again
+constexpr std::size_t kRefined = 512;  // rows compared in full before the bound is looked at again
+constexpr std::size_t kPart = 128;     // of them, by one worker
 constexpr Eigen::Index kQueries = 64;  // of many, in one product
 // What rounding may take from a bound: sums of products of unit vectors in single precision.
 constexpr float kRounding = 1e-5f;
@@ -74,8 +75,8 @@ Neighbour neighbour(const SpectralIndex& index, const Scorer& scorer, const Rank
   return {ranked.row, product, std::sqrt(std::max(0.0, -distance(product, length)))};
 }
 
-double full_product(const SpectralIndex& index, const Eigen::VectorXf& unit, Eigen::Index row) {
-  return index.rows().row(row).cast<double>().dot(unit.cast<double>());
+double full_product(const SpectralIndex& index, const Eigen::VectorXd& unit, Eigen::Index row) {
+  return index.rows().row(row).cast<double>().dot(unit);
 }
 
 // One search: bounds of all rows, then the rows that they leave.
@@ -86,9 +87,8 @@ class Search {
       : index_(index), scope_(scope), k_(k), threads_(threads), best_(k) {
     Series row = Eigen::Map<const Series>(query, 1, index.dimensions());
     scorer_ = {measure, static_cast<double>(normalise_rows(row)[0])};
-    unit_ = row.row(0).transpose();
-    key_ = index.sketch_dimensions() > 0 ? Eigen::VectorXf(index.sketch_of(row).row(0).transpose())
-                                         : unit_;
+    unit_ = row.row(0).transpose().cast<double>();
+    key_ = (index.sketch_dimensions() > 0 ? index.sketch_of(row) : row).row(0).transpose();
   }
 
   std::vector<Neighbour> run(SearchCounts* counts) {
@@ -163,9 +163,13 @@ class Search {
   }
 
   void compare(const Eigen::Index* rows, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i)
-      best_.add(
-          {scorer_(full_product(index_, unit_, rows[i]), index_.lengths()[rows[i]]), rows[i]});
+    std::vector<double> scores(count);
+    const std::size_t parts = (count + kPart - 1) / kPart;
+    parallel_for(parts, threads_, [&](std::size_t part) {
+      for (std::size_t i = part * kPart; i < std::min(count, (part + 1) * kPart); ++i)
+        scores[i] = scorer_(full_product(index_, unit_, rows[i]), index_.lengths()[rows[i]]);
+    });
+    for (std::size_t i = 0; i < count; ++i) best_.add({scores[i], rows[i]});
   }
 
   const SpectralIndex& index_;
@@ -174,7 +178,8 @@ class Search {
   std::int64_t threads_;
   Best best_;
   Scorer scorer_{Measure::cosine, 0};
-  Eigen::VectorXf unit_, key_, bounds_;
+  Eigen::VectorXd unit_;          // the query, of length 1
+  Eigen::VectorXf key_, bounds_;  // what meets the sketches (or rows), and what that gives
   std::vector<Eigen::Index> promising_;
 };
 
@@ -227,7 +232,7 @@ std::vector<std::vector<Neighbour>> nearest_of_many(
     }
     for (Eigen::Index q = 0; q < count; ++q) {
       const Scorer scorer{measure, lengths[q]};
-      const Eigen::VectorXf unit = units.row(q).transpose();
+      const Eigen::VectorXd unit = units.row(q).transpose().cast<double>();
       for (const Ranked& one : best[static_cast<std::size_t>(q)].sorted())
         found[static_cast<std::size_t>(from + q)].push_back(
             neighbour(index, scorer, one, full_product(index, unit, one.row)));
