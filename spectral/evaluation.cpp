@@ -166,8 +166,9 @@ Table evaluate_query(const QueryEvaluation& options) {
                                    label + " precision@" + std::to_string(options.query.k) + " %"});
     digits.insert(digits.end(), {1, 3, 1});
   }
-  Table table("nearest windows: split " + options.split + " against " + options.against +
-                  ", without the same " + options.query.exclude_same,
+  const std::string& excluded = options.query.exclude_same;
+  Table table("nearest windows: split " + options.split + " against " + options.against + ", " +
+                  (excluded == "none" ? "the same clip's too" : "without the same " + excluded),
               columns);
   table.digits(digits);
   std::vector<Json> chance;
