@@ -68,15 +68,28 @@ bool in_scope(const SpectralIndex& index, const Scope& scope, Eigen::Index row) 
   return scope.empty() || scope[index.window(row).clip] != 0;
 }
 
-Neighbour neighbour(const SpectralIndex& index, const Scorer& scorer, const Ranked& ranked,
-                    double product) {
-  const double length = index.lengths()[ranked.row];
-  const Scorer distance{Measure::euclidean, scorer.length};
-  return {ranked.row, product, std::sqrt(std::max(0.0, -distance(product, length)))};
-}
-
 double full_product(const SpectralIndex& index, const Eigen::VectorXd& unit, Eigen::Index row) {
   return index.rows().row(row).cast<double>().dot(unit);
+}
+
+// From the differences themselves: near 0 the products would cancel.
+double squared_distance(const SpectralIndex& index, const Eigen::VectorXd& unit, double length,
+                        Eigen::Index row) {
+  const double row_length = index.lengths()[row];
+  return (index.rows().row(row).cast<double>() * row_length - unit.transpose() * length)
+      .squaredNorm();
+}
+
+double full_score(const SpectralIndex& index, const Eigen::VectorXd& unit, const Scorer& scorer,
+                  Eigen::Index row) {
+  return scorer.measure == Measure::cosine ? full_product(index, unit, row)
+                                           : -squared_distance(index, unit, scorer.length, row);
+}
+
+Neighbour neighbour(const SpectralIndex& index, const Eigen::VectorXd& unit, double length,
+                    Eigen::Index row) {
+  return {row, full_product(index, unit, row),
+          std::sqrt(squared_distance(index, unit, length, row))};
 }
 
 // One search: bounds of all rows, then the rows that they leave.
@@ -108,7 +121,7 @@ class Search {
       counts->compared = static_cast<std::int64_t>(first.size() + std::min(at, left.size()));
     std::vector<Neighbour> found;
     for (const Ranked& one : best_.sorted())
-      found.push_back(neighbour(index_, scorer_, one, full_product(index_, unit_, one.row)));
+      found.push_back(neighbour(index_, unit_, scorer_.length, one.row));
     return found;
   }
 
@@ -167,7 +180,7 @@ class Search {
     const std::size_t parts = (count + kPart - 1) / kPart;
     parallel_for(parts, threads_, [&](std::size_t part) {
       for (std::size_t i = part * kPart; i < std::min(count, (part + 1) * kPart); ++i)
-        scores[i] = scorer_(full_product(index_, unit_, rows[i]), index_.lengths()[rows[i]]);
+        scores[i] = full_score(index_, unit_, scorer_, rows[i]);
     });
     for (std::size_t i = 0; i < count; ++i) best_.add({scores[i], rows[i]});
   }
@@ -231,11 +244,10 @@ std::vector<std::vector<Neighbour>> nearest_of_many(
       }
     }
     for (Eigen::Index q = 0; q < count; ++q) {
-      const Scorer scorer{measure, lengths[q]};
       const Eigen::VectorXd unit = units.row(q).transpose().cast<double>();
       for (const Ranked& one : best[static_cast<std::size_t>(q)].sorted())
         found[static_cast<std::size_t>(from + q)].push_back(
-            neighbour(index, scorer, one, full_product(index, unit, one.row)));
+            neighbour(index, unit, lengths[q], one.row));
     }
   });
   return found;
