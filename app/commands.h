@@ -14,12 +14,15 @@ void add_tokenize(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_view(CLI::App& app);
 void add_gesture(CLI::App& app);
+void add_query(CLI::App& app);
+void add_filter(CLI::App& app);
 
 void add_train(CLI::App& app);
 void add_classify(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_experiment(CLI::App& app);
 void add_infill(CLI::App& app);
+void add_interpolate(CLI::App& app);
 void add_demo(CLI::App& app);
 
 }  // namespace mocaplm

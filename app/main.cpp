@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   add_evaluate(app);
   add_experiment(app);
   add_infill(app);
+  add_interpolate(app);
   add_demo(app);
 #else
   add_synth(app);
@@ -26,6 +27,8 @@ int main(int argc, char** argv) {
   add_generate(app);
   add_view(app);
   add_gesture(app);
+  add_query(app);
+  add_filter(app);
 #endif
   return run(app, argc, argv);
 }

@@ -57,7 +57,10 @@ class BindOptions {
   }
 
  private:
-  static std::string flag(const std::string& key) { return option_flag(key); }
+  // A key of one letter is also a short option: -k.
+  static std::string flag(const std::string& key) {
+    return (key.size() == 1 ? "-" + key + "," : "") + option_flag(key);
+  }
   CLI::App& app_;
 };
 

@@ -43,6 +43,7 @@ void add_commands_with_torch(CLI::App& app) {
       {"classify", "train and test a classifier beside LDA and the majority class"},
       {"experiment", "train and test the rows of a table, see configs/thesis; goes on if cut off"},
       {"infill", "fill missing joints or frames of a clip with a masked model"},
+      {"interpolate", "change a motion until its spectral features come near another's"},
       {"demo", "the whole walk on procedural dances, in minutes"}};
   for (const auto& [name, help] : commands) {
     CLI::App* command = app.add_subcommand(name, help);

@@ -22,6 +22,20 @@ Eigen::MatrixXd dct_matrix(Eigen::Index n) {
   return matrix;
 }
 
+Eigen::MatrixXd dct_rows(Eigen::Index n, Eigen::Index first, Eigen::Index count) {
+  assert(n >= 1 && first >= 0 && count >= 0 && first + count <= n);
+  // cos(pi (2t + 1) k / 2n) has the period 4n in (2t + 1) k.
+  Eigen::VectorXd cosine(4 * n);
+  for (Eigen::Index i = 0; i < 4 * n; ++i)
+    cosine[i] = std::cos(kPi * static_cast<double>(i) / static_cast<double>(2 * n));
+  Eigen::MatrixXd rows(count, n);
+  for (Eigen::Index t = 0; t < n; ++t)
+    for (Eigen::Index k = first; k < first + count; ++k)
+      rows(k - first, t) =
+          std::sqrt((k == 0 ? 1 : 2) / static_cast<double>(n)) * cosine[(2 * t + 1) * k % (4 * n)];
+  return rows;
+}
+
 Eigen::MatrixXd dct4_matrix(Eigen::Index n) {
   const auto size = static_cast<double>(n);
   Eigen::MatrixXd matrix(n, n);

@@ -10,6 +10,9 @@ namespace mocaplm {
 // DCT-II of n samples (its transpose is the DCT-III): row k is s_k cos(pi (t + 1/2) k / n) with s_0
 // = sqrt(1/n) and s_k = sqrt(2/n).
 Eigen::MatrixXd dct_matrix(Eigen::Index n);
+// Rows [first, first + count) of it, where all of them would be too many: in time and memory of
+// what is asked for.
+Eigen::MatrixXd dct_rows(Eigen::Index n, Eigen::Index first, Eigen::Index count);
 // DCT-IV, its own inverse: sqrt(2/n) cos(pi (t + 1/2)(k + 1/2) / n).
 Eigen::MatrixXd dct4_matrix(Eigen::Index n);
 

@@ -137,7 +137,8 @@ std::vector<double> plot_ticks(double low, double high, bool logarithmic, int mo
   double step = 10 * power;
   for (const double factor : {5.0, 2.0, 1.0})
     if (factor * power >= rough) step = factor * power;
-  for (double k = std::ceil(low / step); k * step <= high; ++k) ticks.push_back(k * step);
+  for (double k = std::ceil(low / step); k * step <= high; ++k)
+    ticks.push_back(k * step + 0.0);  // not -0
   return ticks;
 }
 

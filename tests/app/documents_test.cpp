@@ -20,8 +20,8 @@ namespace {
 const fs::path kRoot = MOCAPLM_SOURCE_DIR;
 // Commands whose first word is a command of its own, with its own options.
 const std::set<std::string> kWithParts = {"gesture"};
-const std::set<std::string> kWithTorch = {"train",      "classify", "evaluate",
-                                          "experiment", "infill",   "demo"};
+const std::set<std::string> kWithTorch = {"train",  "classify",    "evaluate", "experiment",
+                                          "infill", "interpolate", "demo"};
 
 std::vector<fs::path> documents() {
   std::vector<fs::path> files = {kRoot / "README.md"};

@@ -98,5 +98,14 @@ TEST(LapFilter, HasThePublishedCodingGain) {
   EXPECT_NEAR(gain[1], 9.20, 0.05);
 }
 
+TEST(Dct, RowsAreTheMatrixs) {
+  for (const Eigen::Index n : {1, 2, 7, 60}) {
+    const Eigen::MatrixXd all = dct_matrix(n);
+    EXPECT_LT((dct_rows(n, 0, n) - all).norm(), 1e-12);
+    EXPECT_LT((dct_rows(n, n / 2, n - n / 2) - all.bottomRows(n - n / 2)).norm(), 1e-12);
+    EXPECT_EQ(dct_rows(n, n, 0).rows(), 0);
+  }
+}
+
 }  // namespace
 }  // namespace mocaplm

@@ -31,6 +31,8 @@ const std::vector<Directory> kDirectories = {
     {"numeric", {"common"}},
     {"gesture", {"common", "numeric"}},
     {"motion", {"common", "numeric"}},
+    {"spectral", {"common", "numeric", "motion"}},
+    {"spectral/interpolate", {"common", "numeric", "motion", "spectral"}, true},
     {"tokenizer", {"common", "numeric", "motion"}},
     {"model", {"common"}},
     {"model/transformer/cpu", {}},

@@ -15,6 +15,10 @@
 #include "model/config.h"
 #include "motion/import/config.h"
 #include "motion/synth.h"
+#include "spectral/config.h"
+#include "spectral/filter.h"
+#include "spectral/interpolate/config.h"
+#include "spectral/query.h"
 #include "tokenizer/pieces.h"
 #include "tokenizer/tiles.h"
 #include "tokenizer/tokenizer.h"
@@ -130,6 +134,22 @@ TEST(SettingsDocument, Sampling) {
 
 TEST(SettingsDocument, Classify) {
   expect_documented("classify", rows_of(ClassifyConfig()));
+}
+
+TEST(SettingsDocument, Spectral) {
+  expect_documented("spectral", rows_of(SpectralConfig()));
+}
+
+TEST(SettingsDocument, Query) {
+  expect_documented("query", rows_of(QueryConfig()));
+}
+
+TEST(SettingsDocument, Filter) {
+  expect_documented("filter", rows_of(FilterConfig()));
+}
+
+TEST(SettingsDocument, Interpolate) {
+  expect_documented("interpolate", rows_of(InterpolateConfig()));
 }
 
 TEST(SettingsDocument, Import) {

@@ -1,0 +1,65 @@
+// mocaplm filter: a motion rebuilt from some of its frequencies.
+#include "spectral/filter.h"
+
+#include <memory>
+
+#include "app/commands.h"
+#include "app/options.h"
+#include "app/spectral_files.h"
+#include "common/error.h"
+#include "spectral/clip_range.h"
+
+namespace mocaplm {
+
+namespace {
+
+constexpr std::int64_t kHannFrames = 16, kHannHop = 8;  // of the spectrogram
+
+struct FilterCommand {
+  std::string clip;
+  FilterConfig config;
+  SpectralFiles files{"filtered", "", "", ""};
+};
+
+void run(const CLI::App& app, FilterCommand& command) {
+  if (command.config.keep == "low" && app.get_option("--from-hz")->count() > 0)
+    throw UsageError("--from-hz goes with --keep band: the low frequencies begin at 0");
+  command.files.check({parse_clip_range(command.clip).clip});
+  const Clip clip = read_clip_range(command.clip, nullptr).clip;
+  const FilterResult result = filter_clip(clip, command.config);
+  Table table = filter_table(clip, result, command.config);
+  Page page;
+  page.title = "Some frequencies of a motion";
+  page.motions.push_back({"original", clip, {}, {}, "The clip: " + command.clip});
+  page.motions.push_back({"filtered", result.filtered, {}, {}, table.title()});
+  page.tables.push_back(table);
+  const std::vector<std::string> files = command.files.write(
+      result.filtered, page, {{"original", clip}, {"filtered", result.filtered}}, kHannFrames,
+      kHannHop);
+  table.note("files: " + join(files, " "));
+  print_table(table, command.files.json);
+}
+
+}  // namespace
+
+void add_filter(CLI::App& app) {
+  CLI::App* filter =
+      app.add_subcommand("filter", "rebuild a motion from its low frequencies or a band of them");
+  auto command = std::make_shared<FilterCommand>();
+  filter
+      ->add_option("CLIP", command->clip,
+                   "motion file (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds)")
+      ->required();
+  filter
+      ->add_option("--out", command->files.out,
+                   "stem of the .npz, .bvh and .html written, or one of these files")
+      ->capture_default_str();
+  filter->add_option("--plot", command->files.plot, "DCT coefficients of both as an .svg, too");
+  filter->add_option("--spectrogram", command->files.spectrogram,
+                     "spectrograms of both as an .svg, too");
+  filter->add_option("--json", command->files.json, "write the table as JSON, too");
+  bind_options(*filter, command->config);
+  filter->callback([filter, command] { run(*filter, *command); });
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,111 @@
+#include "spectral/query.h"
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "motion/formats/npz.h"
+#include "spectral/clip_range.h"
+#include "support/refusal.h"
+#include "support/small_dataset.h"
+#include "temporary_folder.h"
+
+namespace mocaplm {
+namespace {
+
+TEST(ClipRange, IsReadAsWritten) {
+  const ClipRange whole = parse_clip_range("a.npz"), part = parse_clip_range("d:/x.npz:1.5-3");
+  EXPECT_EQ(whole.clip, "a.npz");
+  EXPECT_EQ(part.clip, "d:/x.npz");
+  EXPECT_EQ(part.from, 1.5);
+  EXPECT_EQ(part.to, 3);
+  EXPECT_EQ(parse_clip_range("a:2-").to, 0);
+  EXPECT_EQ(parse_clip_range("a:b").clip, "a:b");
+  for (const char* bad : {"a:3-2", "a:-2", "a:1-2-3", "a:1..2-3", "a:-"})
+    EXPECT_NE(refusal<UsageError>([&] { parse_clip_range(bad); }), "") << bad;
+}
+
+TEST(ClipRange, TakesFramesOfTheClip) {
+  const TemporaryFolder folder;
+  const Dataset dataset = write_dataset(folder / "data", {{"walk", "train", 60}});
+  const Clip clip = load_clip(dataset, dataset.entries[0]);
+  const RangedClip part = read_clip_range("walk:1-2", &dataset);
+  EXPECT_EQ(part.entry, &dataset.entries[0]);
+  EXPECT_EQ(part.from, 1);
+  EXPECT_EQ(part.clip.poses, clip.poses.middleRows(20, 20));
+  EXPECT_EQ(read_clip_range("walk:1-99", &dataset).clip.frames(), 40);
+  const std::string file = (folder / "data/clips/walk.npz").string();
+  EXPECT_EQ(read_clip_range(file + ":2.5-", nullptr).clip.frames(), 10);
+  EXPECT_TRUE(contains(refusal<UsageError>([&] { read_clip_range("walk:3-4", &dataset); }), "3 s"));
+  EXPECT_TRUE(contains(refusal([&] { read_clip_range("wakl", &dataset); }), "walk"));
+  EXPECT_NE(refusal([&] { read_clip_range("none.npz", &dataset); }), "");
+}
+
+QueryOptions asked(const TemporaryFolder& folder, const std::string& clip) {
+  QueryOptions options;
+  options.dataset = folder / "data";
+  options.clip = clip;
+  options.config.fps = 20;
+  options.config.window = 24;
+  options.config.stride = 4;
+  options.threads = 1;
+  return options;
+}
+
+// "b" is "a" again; "c" and "d" are other motions.
+Dataset made(const TemporaryFolder& folder) {
+  return write_dataset(folder / "data", {{"a", "train", 60, {{"genre", "x"}}, 20, 7},
+                                         {"b", "train", 60, {{"genre", "x"}}, 20, 7},
+                                         {"c", "train", 60, {{"genre", "y"}}},
+                                         {"d", "test", 60, {{"genre", "y"}}},
+                                         {"short", "test", 1}});
+}
+
+TEST(Query, FindsTheSameMotionAtItsPlace) {
+  const TemporaryFolder folder;
+  made(folder);
+  for (const char* metric : {"cosine", "euclidean"}) {
+    QueryOptions options = asked(folder, "a:0.8-2.0");
+    options.query.metric = metric;
+    const QueryResult result = run_query(options);
+    ASSERT_EQ(result.matches.size(), 3u);  // one of each other clip
+    EXPECT_EQ(result.matches[0].clip, "b");
+    EXPECT_NEAR(result.matches[0].from, 0.8, 1e-9);
+    EXPECT_NEAR(result.matches[0].to, 2.0, 1e-9);
+    EXPECT_NEAR(result.matches[0].neighbour.similarity, 1, 1e-6);
+    EXPECT_NEAR(result.matches[0].neighbour.distance, 0, 1e-3);
+    EXPECT_EQ(match_clip(result, result.matches[0]).poses, result.query.poses);
+    const Table table = query_table(result, options);
+    EXPECT_EQ(table.rows()[0][0], "b");
+    EXPECT_EQ(table.rows()[0][5], "x");
+  }
+}
+
+TEST(Query, PerClipAndExclusion) {
+  const TemporaryFolder folder;
+  made(folder);
+  QueryOptions options = asked(folder, "a");
+  options.query.exclude_same = "none";
+  EXPECT_EQ(run_query(options).matches[0].clip, "a");
+  EXPECT_EQ(run_query(options).windows, 10);
+  options.query.per_clip = 100;
+  options.query.k = 1000;
+  EXPECT_EQ(run_query(options).matches.size(), 40u);
+  options.clip = (folder / "data/clips/a.npz").string();  // a file is no clip of the dataset
+  options.query.exclude_same = "clip";
+  EXPECT_EQ(run_query(options).matches.size(), 40u);
+}
+
+TEST(Query, ShortPiecesAreAnswered) {
+  const TemporaryFolder folder;
+  made(folder);
+  EXPECT_TRUE(contains(refusal([&] { run_query(asked(folder, "a:0-0.5")); }), "--short-clips"));
+  EXPECT_TRUE(contains(refusal([&] { run_query(asked(folder, "short")); }), "shorter than"));
+  QueryOptions options = asked(folder, "short");
+  options.config.short_clips = "hold";
+  EXPECT_FALSE(run_query(options).matches.empty());
+  write_dataset(folder / "data", {{"a", "train", 60}});
+  EXPECT_TRUE(contains(refusal([&] { run_query(asked(folder, "a")); }), "no windows are left"));
+}
+
+}  // namespace
+}  // namespace mocaplm
