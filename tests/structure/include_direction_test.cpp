@@ -30,6 +30,7 @@ const std::vector<Directory> kDirectories = {
     {"common", {}},
     {"numeric", {"common"}},
     {"motion", {"common", "numeric"}},
+    {"emulator", {"common", "numeric", "motion"}},
     {"tokenizer", {"common", "numeric", "motion"}},
     {"model", {"common"}},
     {"model/transformer/cpu", {}},
