@@ -34,6 +34,7 @@ TEST_F(EmulateCommand, FitAndSample) {
              at("m.json") + " --json " + at("t.json"),
          0, "SIEM/SequentialPCA/MVG");
   EXPECT_FALSE(load_json(folder_ / "t.json").at("rows").empty());
+  expect("info " + at("m.json"), 0, "SIEM/SequentialPCA/MVG");
   const std::string sample = "emulate sample " + at("m.json");
   expect(sample + " --count 2 --seed 3 --fps 25 --out " + at("a"), 0, "emulated-2");
   for (const char* name : {"a-1.npz", "a-2.npz", "a-1.bvh", "a-2.bvh", "a.html"})

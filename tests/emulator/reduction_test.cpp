@@ -114,7 +114,7 @@ TEST(Reduction, MpcaIsTheBestOfEachWay) {
 
 TEST(Reduction, VarianceTargetsChooseTheNumbers) {
   const auto flats = curves(30, 8, 20, 1e-4);
-  for (const std::string& name : {"SequentialPCA", "MPCA"}) {
+  for (const std::string name : {"SequentialPCA", "MPCA"}) {
     const auto reduction = fit_reduction(name, flats, {1, 1, 0.999999, 0.999999});
     if (name == std::string("MPCA")) {
       EXPECT_EQ(reduction->d1(), 4);
@@ -132,7 +132,7 @@ TEST(Reduction, VarianceTargetsChooseTheNumbers) {
 
 TEST(Reduction, MoreComponentsLoseLess) {
   const auto flats = curves(25, 6, 15, 0.5);
-  for (const std::string& name : {"SequentialPCA", "MPCA"}) {
+  for (const std::string name : {"SequentialPCA", "MPCA"}) {
     const auto reduction = fit_reduction(name, flats, {6, 10, 0, 0});
     for (Eigen::Index d = 1; d < 6; ++d)
       EXPECT_GE(error_of(*reduction, flats, d, 5), error_of(*reduction, flats, d + 1, 5)) << name;
