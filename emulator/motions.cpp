@@ -6,6 +6,7 @@
 
 #include "common/files.h"
 #include "common/parallel.h"
+#include "common/settings.h"
 #include "common/text.h"
 #include "emulator/body.h"
 #include "emulator/reduction.h"
