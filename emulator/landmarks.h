@@ -1,4 +1,4 @@
-// Landmarks of a clip as postures, and postures as clips again.
+// Landmarks of a clip as postures; emulator/body.h makes clips of postures again.
 #pragma once
 
 #include <string>
@@ -38,14 +38,5 @@ const std::vector<std::string>& heading_names();
 // makes.
 PostureSequence clip_postures(const Clip& clip, const LandmarkTree& tree,
                               const std::string& heading);
-
-// Joint rotations whose forward kinematics on SMPL's mean body has these limb directions: docs/
-// emulation.md says how the turn about each limb, which a direction leaves open, is chosen. Joints
-// that are not among the landmarks keep the turn of the nearest ancestor. Where the pelvis, the
-// chest or another joint has several limbs, they cannot all be met exactly (the body's are rigid,
-// sampled ones are not): the nearest rotation is taken. The root's translation keeps the lower foot
-// on the ground and, while it is the lower one, in its place.
-Clip postures_clip(const PostureSequence& sequence, const LandmarkTree& tree, double fps,
-                   const std::string& name);
 
 }  // namespace mocaplm
