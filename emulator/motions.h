@@ -43,6 +43,7 @@ struct PreparedMotions {
   std::vector<std::string> names;
   std::vector<double> seconds;  // each clip's length
   Aligned aligned;              // of T frames each
+  Eigen::MatrixXd turns;        // (n, T): mean limb_turns (emulator/body.h) at each aligned frame
 
   std::vector<PostureSequence> sequences() const;
   double mean_seconds() const;
@@ -69,8 +70,19 @@ struct MotionEmulator {
   std::vector<Eigen::VectorXd> warpings;  // (T) of each, as Alignment's
   PostureSequence fixed;                  // the template
   Posture reference;                      // of the template's field
+  Eigen::MatrixXd turns;                  // (n, T), as PreparedMotions'
   std::unique_ptr<Emulator> emulator;
 };
+
+// Fits the scheme to prepared motions; `where`, `data` and `procedural` are the caller's to fill.
+MotionEmulator fit_motions(const PreparedMotions& prepared, const Scheme& scheme,
+                           const SchemeOptions& options, int threads = 0);
+
+// New motions on SMPL's mean body: sampled postures as rotations, each limb's turn the clips' mean
+// one at that time. `timing`: as long as one of the clips, drawn by chance, and with its warping;
+// else of the clips' mean length, and even.
+std::vector<Clip> sample_clips(const MotionEmulator& motions, std::size_t count, std::uint64_t seed,
+                               bool timing, double fps);
 
 void save_motion_emulator(const std::filesystem::path& path, const MotionEmulator& motions);
 // Throws DataError naming the key that is not as it should be.

@@ -11,7 +11,7 @@ namespace mocaplm {
 struct Scheme {
   std::string representation;  // SIEM, IS-TVF, S-TVF, M-TVF; PWI stands alone
   std::string reduction;       // SequentialPCA, MPCA; SpatialPCA for VAR; "" with PWI
-  std::string model;           // IG, MVG, VAR, Copula, Mixture, Bootstrap; "" with PWI
+  std::string model;           // IG, MVG, VAR, Copula, Mixture, Bootstrap, Local; "" with PWI
 };
 
 // "SIEM/SequentialPCA/MVG", "IS-TVF/SpatialPCA/VAR", "PWI". Throws UsageError with the nearest
@@ -26,6 +26,9 @@ struct SchemeOptions {
   std::int64_t order = 12;
   std::int64_t mixture = 0;
   double bandwidth = 0;
+  std::int64_t neighbours = 6;
+  double spread = 0.5;
+  bool stratified = true;
   template <class Visitor>
   void describe(Visitor& v) {
     v.integer("d1", d1, 1, 1000, "spatial components");
@@ -38,6 +41,10 @@ struct SchemeOptions {
     v.integer("mixture", mixture, 0, 100, "Gaussians of Mixture; 0: chosen by likelihood");
     v.number("bandwidth", bandwidth, 0, 10,
              "of Copula's and Bootstrap's kernels, in Silverman's; 0: chosen from the data");
+    v.integer("neighbours", neighbours, 1, 1000, "that shape each of Local's kernels");
+    v.number("spread", spread, 0.01, 10, "of Local's kernels, by their neighbours' own");
+    v.boolean("stratified", stratified,
+              "draw kernels and Gaussians of Mixture in turn, not independently");
   }
 };
 

@@ -1,0 +1,109 @@
+#include "emulator/local.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "emulator/gaussians.h"
+#include "emulator/reduction.h"
+
+namespace mocaplm {
+
+LocalKernels::LocalKernels(Eigen::MatrixXd samples, Eigen::MatrixXi neighbours,
+                           Eigen::MatrixXd factor, double spread, bool stratified)
+    : samples_(std::move(samples)),
+      neighbours_(std::move(neighbours)),
+      factor_(std::move(factor)),
+      spread_(spread),
+      stratified_(stratified),
+      white_(factor_.triangularView<Eigen::Lower>().solve(samples_.transpose())) {}
+
+Eigen::MatrixXd LocalKernels::sample(Eigen::Index count, Random& random) const {
+  const Eigen::Index m = samples_.rows(), k = neighbours_.cols();
+  const auto which = draw_indices(Eigen::VectorXd::Constant(m, 1 / static_cast<double>(m)), count,
+                                  stratified_, random);
+  Eigen::MatrixXd drawn(count, dimensions());
+  Eigen::VectorXd e(dimensions());
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const Eigen::Index i = which[static_cast<std::size_t>(n)];
+    for (Eigen::Index c = 0; c < e.size(); ++c) e[c] = random.normal();
+    drawn.row(n) =
+        samples_.row(i) + kLocalFloor * (factor_.triangularView<Eigen::Lower>() * e).transpose();
+    for (Eigen::Index j = 0; j < k; ++j)
+      drawn.row(n) += spread_ / std::sqrt(static_cast<double>(k)) * random.normal() *
+                      (samples_.row(neighbours_(i, j)) - samples_.row(i));
+  }
+  return drawn;
+}
+
+double LocalKernels::log_density(const Eigen::VectorXd& x) const {
+  const Eigen::Index m = samples_.rows(), k = neighbours_.cols(), d = dimensions();
+  const Eigen::VectorXd at = factor_.triangularView<Eigen::Lower>().solve(x);
+  const double floor2 = kLocalFloor * kLocalFloor;
+  Eigen::VectorXd parts(m);
+  Eigen::MatrixXd ways(d, k);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    // In units of C a kernel's covariance is f^2 I + W W': its inverse and determinant follow from
+    // those of f^2 I + W' W, which is small (Woodbury).
+    for (Eigen::Index j = 0; j < k; ++j)
+      ways.col(j) = spread_ / std::sqrt(static_cast<double>(k)) *
+                    (white_.col(neighbours_(i, j)) - white_.col(i));
+    const Eigen::VectorXd away = at - white_.col(i);
+    Eigen::MatrixXd inner = ways.transpose() * ways;
+    inner.diagonal().array() += floor2;
+    const Eigen::LLT<Eigen::MatrixXd> llt(inner);
+    const Eigen::VectorXd along = ways.transpose() * away;
+    const double square = (away.squaredNorm() - along.dot(llt.solve(along))) / floor2;
+    const Eigen::MatrixXd lower = llt.matrixL();
+    const double log_det =
+        2 * lower.diagonal().array().log().sum() + static_cast<double>(d - k) * std::log(floor2);
+    parts[i] = -0.5 * (square + log_det);
+  }
+  return log_sum_exp(parts) - std::log(static_cast<double>(m)) -
+         factor_.diagonal().array().log().sum() - 0.5 * static_cast<double>(d) * std::log(2 * M_PI);
+}
+
+Json LocalKernels::json() const {
+  return {{"model", "Local"},
+          {"samples", matrix_json(samples_)},
+          {"neighbours", matrix_json(neighbours_.cast<double>())},
+          {"factor", matrix_json(factor_)},
+          {"spread", spread_},
+          {"stratified", stratified_}};
+}
+
+std::unique_ptr<LocalKernels> LocalKernels::read(JsonObject& object) {
+  Eigen::MatrixXd samples = read_matrix(object, "samples", -1, -1);
+  const Eigen::MatrixXd neighbours = read_matrix(object, "neighbours", samples.rows(), -1);
+  Eigen::MatrixXd factor = read_matrix(object, "factor", samples.cols(), samples.cols());
+  factor = Eigen::MatrixXd(factor.triangularView<Eigen::Lower>());
+  if (factor.diagonal().minCoeff() <= 0) object.fail("factor", "expected a positive diagonal");
+  if (neighbours.minCoeff() < 0 || neighbours.maxCoeff() >= static_cast<double>(samples.rows()))
+    object.fail("neighbours", "expected indices of samples");
+  const double spread = object.number("spread", 0, 1e6);
+  return std::make_unique<LocalKernels>(std::move(samples), neighbours.cast<int>(),
+                                        std::move(factor), spread, object.boolean("stratified"));
+}
+
+std::unique_ptr<LocalKernels> fit_local(const Eigen::MatrixXd& samples,
+                                        const SchemeOptions& options) {
+  const Eigen::Index m = samples.rows();
+  const Eigen::Index k = std::min<Eigen::Index>(options.neighbours, m - 1);
+  Eigen::MatrixXi neighbours(m, k);
+  std::vector<int> order(static_cast<std::size_t>(m));
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const Eigen::VectorXd distances = (samples.rowwise() - samples.row(i)).rowwise().squaredNorm();
+    for (std::size_t j = 0; j < order.size(); ++j) order[j] = static_cast<int>(j);
+    // The sample itself comes first, also before others at the same place.
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+      if ((a == i) != (b == i)) return a == i;
+      return distances[a] != distances[b] ? distances[a] < distances[b] : a < b;
+    });
+    for (Eigen::Index j = 0; j < k; ++j) neighbours(i, j) = order[static_cast<std::size_t>(j + 1)];
+  }
+  const Eigen::MatrixXd factor = shrunk_covariance(samples, options.shrinkage).llt().matrixL();
+  return std::make_unique<LocalKernels>(samples, std::move(neighbours), factor, options.spread,
+                                        options.stratified);
+}
+
+}  // namespace mocaplm
