@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/table.h"
 #include "emulator/evaluation/evaluation.h"
 #include "viewer/plot.h"
 
