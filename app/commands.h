@@ -13,6 +13,7 @@ void add_info(CLI::App& app);
 void add_tokenize(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_view(CLI::App& app);
+void add_emulate(CLI::App& app);
 
 void add_train(CLI::App& app);
 void add_classify(CLI::App& app);

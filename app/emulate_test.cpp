@@ -1,7 +1,7 @@
 // mocaplm emulate test: emulated motions beside unseen real ones.
 #include <memory>
 
-#include "app/commands.h"
+#include "app/emulate.h"
 #include "app/options.h"
 #include "common/files.h"
 #include "emulator/evaluation/plots.h"
@@ -40,7 +40,7 @@ void add_emulate_test(CLI::App& emulate) {
       "test", "fit schemes to some clips and test what they simulate against unseen others");
   const auto state = std::make_shared<EmulateTestCommand>();
   EvaluationOptions& options = state->options;
-  command->add_option("--data", options.data, "dataset folder")->required();
+  command->add_option("DATASET", options.data, "a dataset's folder")->required();
   bind_options(*command, options);
   bind_options(*command->add_option_group("motions", "how clips become sequences of postures"),
                options.landmarks);

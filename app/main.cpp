@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   add_evaluate(app);
   add_generate(app);
   add_view(app);
+  add_emulate(app);
 #endif
   return run(app, argc, argv);
 }

@@ -225,7 +225,8 @@ std::unique_ptr<Gaussians> fit_bootstrap(const Eigen::MatrixXd& samples, double 
   double h = bandwidth * rule;
   if (bandwidth <= 0) {
     const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
-    const Eigen::MatrixXd white = llt.matrixL().solve(centred.transpose()).transpose();
+    Eigen::MatrixXd white = llt.matrixL().solve(centred.transpose());
+    white.transposeInPlace();
     double largest = -std::numeric_limits<double>::infinity();
     for (double trial = 0.05; trial < 3; trial *= 1.1) {
       const double likelihood = left_out_likelihood(white, trial);
