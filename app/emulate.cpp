@@ -238,10 +238,13 @@ void add_emulate_sample(CLI::App& emulate) {
 
 void add_emulate(CLI::App& app) {
   CLI::App* emulate = app.add_subcommand(
-      "emulate", "a class of motions as a distribution of posture curves: fit it, sample it");
+      "emulate",
+      "a class of motions as a distribution of posture curves: fit it, sample it, "
+      "test it");
   emulate->require_subcommand(1);
   add_emulate_fit(*emulate);
   add_emulate_sample(*emulate);
+  add_emulate_test(*emulate);
 }
 
 }  // namespace mocaplm

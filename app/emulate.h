@@ -7,5 +7,6 @@ namespace mocaplm {
 
 void add_emulate_fit(CLI::App& emulate);
 void add_emulate_sample(CLI::App& emulate);
+void add_emulate_test(CLI::App& emulate);
 
 }  // namespace mocaplm

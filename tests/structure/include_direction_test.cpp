@@ -50,6 +50,7 @@ const std::vector<Directory> kDirectories = {
      {"common", "motion", "tokenizer", "model", "train", "classify", "evaluate"},
      true},
     {"viewer", {"common", "motion"}},
+    {"emulator/evaluation", {"common", "numeric", "motion", "emulator", "viewer"}},
     {"app", {"*"}},
     {"tests", {"*"}, true},
     {"bench", {"*"}, true},
