@@ -65,7 +65,8 @@ std::unique_ptr<Gaussians> Gaussians::read(JsonObject& object) {
     object.fail("weights", "expected shares that add up to 1");
   if (factor.diagonal().minCoeff() <= 0) object.fail("factor", "expected a positive diagonal");
   factor = Eigen::MatrixXd(factor.triangularView<Eigen::Lower>());
-  return std::make_unique<Gaussians>(weights.col(0), std::move(means), factor * factor.transpose());
+  return std::make_unique<Gaussians>(weights.col(0), std::move(means), factor * factor.transpose(),
+                                     object.boolean("stratified"));
 }
 
 namespace {

@@ -10,11 +10,12 @@
 namespace mocaplm {
 
 LocalKernels::LocalKernels(Eigen::MatrixXd samples, Eigen::MatrixXi neighbours,
-                           Eigen::MatrixXd factor, double spread, bool stratified)
+                           Eigen::MatrixXd factor, double spread, double floor, bool stratified)
     : samples_(std::move(samples)),
       neighbours_(std::move(neighbours)),
       factor_(std::move(factor)),
       spread_(spread),
+      floor_(floor),
       stratified_(stratified),
       white_(factor_.triangularView<Eigen::Lower>().solve(samples_.transpose())) {}
 
@@ -28,7 +29,7 @@ Eigen::MatrixXd LocalKernels::sample(Eigen::Index count, Random& random) const {
     const Eigen::Index i = which[static_cast<std::size_t>(n)];
     for (Eigen::Index c = 0; c < e.size(); ++c) e[c] = random.normal();
     drawn.row(n) =
-        samples_.row(i) + kLocalFloor * (factor_.triangularView<Eigen::Lower>() * e).transpose();
+        samples_.row(i) + floor_ * (factor_.triangularView<Eigen::Lower>() * e).transpose();
     for (Eigen::Index j = 0; j < k; ++j)
       drawn.row(n) += spread_ / std::sqrt(static_cast<double>(k)) * random.normal() *
                       (samples_.row(neighbours_(i, j)) - samples_.row(i));
@@ -39,7 +40,7 @@ Eigen::MatrixXd LocalKernels::sample(Eigen::Index count, Random& random) const {
 double LocalKernels::log_density(const Eigen::VectorXd& x) const {
   const Eigen::Index m = samples_.rows(), k = neighbours_.cols(), d = dimensions();
   const Eigen::VectorXd at = factor_.triangularView<Eigen::Lower>().solve(x);
-  const double floor2 = kLocalFloor * kLocalFloor;
+  const double floor2 = floor_ * floor_;
   Eigen::VectorXd parts(m);
   Eigen::MatrixXd ways(d, k);
   for (Eigen::Index i = 0; i < m; ++i) {
@@ -69,6 +70,7 @@ Json LocalKernels::json() const {
           {"neighbours", matrix_json(neighbours_.cast<double>())},
           {"factor", matrix_json(factor_)},
           {"spread", spread_},
+          {"floor", floor_},
           {"stratified", stratified_}};
 }
 
@@ -81,8 +83,10 @@ std::unique_ptr<LocalKernels> LocalKernels::read(JsonObject& object) {
   if (neighbours.minCoeff() < 0 || neighbours.maxCoeff() >= static_cast<double>(samples.rows()))
     object.fail("neighbours", "expected indices of samples");
   const double spread = object.number("spread", 0, 1e6);
+  const double floor = object.number("floor", 1e-6, 1e6);
   return std::make_unique<LocalKernels>(std::move(samples), neighbours.cast<int>(),
-                                        std::move(factor), spread, object.boolean("stratified"));
+                                        std::move(factor), spread, floor,
+                                        object.boolean("stratified"));
 }
 
 std::unique_ptr<LocalKernels> fit_local(const Eigen::MatrixXd& samples,
@@ -103,7 +107,7 @@ std::unique_ptr<LocalKernels> fit_local(const Eigen::MatrixXd& samples,
   }
   const Eigen::MatrixXd factor = shrunk_covariance(samples, options.shrinkage).llt().matrixL();
   return std::make_unique<LocalKernels>(samples, std::move(neighbours), factor, options.spread,
-                                        options.stratified);
+                                        options.floor, options.stratified);
 }
 
 }  // namespace mocaplm

@@ -6,9 +6,6 @@
 
 namespace mocaplm {
 
-// The shared covariance's part in each kernel, as a factor of its deviations.
-constexpr double kLocalFloor = 0.1;
-
 //   x = x_i + (s / sqrt(k)) sum_j z_j (x_j - x_i) + f e,    j the k nearest samples to x_i,
 // z_j standard normal, e ~ N(0, C), C the shrunk covariance of all. So nothing is far from all
 // samples, and what is made lies between a sample and those like it: the styles and persons that
@@ -17,7 +14,7 @@ class LocalKernels : public CoefficientModel {
  public:
   // samples (M, d); neighbours (M, k) rows of indices; factor (d, d) lower, of C.
   LocalKernels(Eigen::MatrixXd samples, Eigen::MatrixXi neighbours, Eigen::MatrixXd factor,
-               double spread, bool stratified);
+               double spread, double floor, bool stratified);
 
   Eigen::Index dimensions() const override { return samples_.cols(); }
   Eigen::MatrixXd sample(Eigen::Index count, Random& random) const override;
@@ -29,7 +26,7 @@ class LocalKernels : public CoefficientModel {
   Eigen::MatrixXd samples_;
   Eigen::MatrixXi neighbours_;
   Eigen::MatrixXd factor_;
-  double spread_;
+  double spread_, floor_;
   bool stratified_;
   Eigen::MatrixXd white_;  // (d, M): the samples in units of C
 };

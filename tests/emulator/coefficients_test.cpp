@@ -9,7 +9,6 @@
 
 #include "common/error.h"
 #include "emulator/gaussians.h"
-#include "emulator/local.h"
 
 namespace mocaplm {
 
@@ -206,6 +205,7 @@ TEST(Coefficients, LocalKernelsPlainly) {
   SchemeOptions options;
   options.neighbours = 4;
   options.spread = 0.7;
+  options.floor = 0.3;
   const auto model = fit_coefficients("Local", x, options);
   const Eigen::MatrixXd shared = shrunk_covariance(x, -1);
   const Eigen::VectorXd at = x.row(5).transpose() + Eigen::Vector3d(0.1, -0.2, 0.05);
@@ -216,7 +216,7 @@ TEST(Coefficients, LocalKernelsPlainly) {
     for (int j = 0; j < 12; ++j)
       if (j != i) order.emplace_back((x.row(i) - x.row(j)).norm(), j);
     std::sort(order.begin(), order.end());
-    Eigen::MatrixXd c = kLocalFloor * kLocalFloor * shared;
+    Eigen::MatrixXd c = 0.3 * 0.3 * shared;
     for (int k = 0; k < 4; ++k) {
       const Eigen::VectorXd away =
           (x.row(order[static_cast<std::size_t>(k)].second) - x.row(i)).transpose();

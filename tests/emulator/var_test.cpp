@@ -24,9 +24,10 @@ std::vector<Eigen::MatrixXd> simulated(int count, Eigen::Index frames) {
     Eigen::MatrixXd course(2, frames);
     for (Eigen::Index t = 0; t < frames; ++t) {
       const Eigen::Vector2d e(random.normal(), random.normal());
-      course.col(t) = Eigen::Vector2d(1, -2) + s * e;
-      if (t > 0) course.col(t) += a * course.col(t - 1);
-      if (t > 1) course.col(t) += b * course.col(t - 2);
+      Eigen::VectorXd now = Eigen::Vector2d(1, -2) + s * e;
+      if (t > 0) now += a * course.col(t - 1);
+      if (t > 1) now += b * course.col(t - 2);
+      course.col(t) = now;
     }
     courses.push_back(course);
   }
