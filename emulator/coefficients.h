@@ -36,7 +36,7 @@ class CoefficientModel {
 //   Local      a kernel on each sample, shaped as its neighbours lie: sample i plus `spread` times
 //   a
 //              Gaussian of the covariance of its `neighbours` nearest samples about it ("manifold
-//              Parzen windows", Vincent and Bengio 2003), with a little of the shrunk covariance
+//              Parzen windows", Vincent and Bengio 2003), with `floor` of the variances of all
 //              so that there is a density
 //
 // Models of several Gaussians or kernels draw them stratified, unless the options say otherwise:

@@ -44,7 +44,8 @@ struct SchemeOptions {
              "of Copula's and Bootstrap's kernels, in Silverman's; 0: chosen from the data");
     v.integer("neighbours", neighbours, 1, 1000, "that shape each of Local's kernels");
     v.number("spread", spread, 0.01, 10, "of Local's kernels, by their neighbours' own");
-    v.number("floor", floor, 0.001, 10, "the shared covariance's part in Local's kernels");
+    v.number("floor", floor, 0.001, 10,
+             "each coefficient's deviation has this part in Local's kernels");
     v.boolean("stratified", stratified,
               "draw kernels and Gaussians of Mixture in turn, not independently");
   }

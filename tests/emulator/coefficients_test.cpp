@@ -207,7 +207,7 @@ TEST(Coefficients, LocalKernelsPlainly) {
   options.spread = 0.7;
   options.floor = 0.3;
   const auto model = fit_coefficients("Local", x, options);
-  const Eigen::MatrixXd shared = shrunk_covariance(x, -1);
+  const Eigen::MatrixXd shared = covariance(x).diagonal().asDiagonal();
   const Eigen::VectorXd at = x.row(5).transpose() + Eigen::Vector3d(0.1, -0.2, 0.05);
   Eigen::MatrixXd mean_covariance = Eigen::MatrixXd::Zero(3, 3);
   double sum = 0;
@@ -266,7 +266,7 @@ TEST(Coefficients, FilesGiveThemBack) {
     EXPECT_NEAR(model->log_density(x.row(0).transpose()), again->log_density(x.row(0).transpose()),
                 1e-9);
     Json broken = model->json();
-    broken["factor"]["values"][0] = -1;
+    broken[name == "Local" ? "deviations" : "factor"]["values"][0] = -1;
     EXPECT_THROW(read_coefficients(broken, "x"), DataError) << name;
   }
 }
