@@ -9,6 +9,7 @@
 #include "emulator/gaussians.h"
 #include "emulator/local.h"
 #include "emulator/reduction.h"
+#include "numeric/quantiles.h"
 
 namespace mocaplm {
 
@@ -61,26 +62,9 @@ std::vector<Eigen::Index> draw_indices(const Eigen::VectorXd& weights, Eigen::In
   return drawn;
 }
 
-double normal_quantile(double p) {
-  // Bisection and Newton on the complementary error function: 1e-15, and fast enough here.
-  if (!(p > 0 && p < 1)) return p <= 0 ? -HUGE_VAL : HUGE_VAL;
-  const bool upper = p > 0.5;
-  const double tail = upper ? 1 - p : p;
-  double x = -std::sqrt(std::max(0.0, -2 * std::log(tail)));
-  for (int round = 0; round < 60; ++round) {
-    const double below = 0.5 * std::erfc(-x / std::sqrt(2.0));
-    const double density = std::exp(-0.5 * x * x) / std::sqrt(2 * M_PI);
-    // Newton on the logarithm, which is concave: from the left it never overshoots.
-    const double step = (std::log(tail) - std::log(below)) * below / density;
-    x += step;
-    if (std::abs(step) < 1e-14 * std::max(1.0, std::abs(x))) break;
-  }
-  return upper ? -x : x;
-}
-
 namespace {
 
-double normal_cdf(double x) {
+double normal_share(double x) {
   return 0.5 * std::erfc(-x / std::sqrt(2.0));
 }
 
@@ -91,7 +75,7 @@ struct Marginal {
 
   double cdf(double x) const {
     double sum = 0;
-    for (const double point : points) sum += normal_cdf((x - point) / width);
+    for (const double point : points) sum += normal_share((x - point) / width);
     return sum / static_cast<double>(points.size());
   }
   double log_density(double x) const {
@@ -137,7 +121,7 @@ class Copula : public CoefficientModel {
       for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = random.normal();
       z = factor_.triangularView<Eigen::Lower>() * z;
       for (Eigen::Index i = 0; i < z.size(); ++i)
-        drawn(k, i) = marginals_[static_cast<std::size_t>(i)].quantile(normal_cdf(z[i]));
+        drawn(k, i) = marginals_[static_cast<std::size_t>(i)].quantile(normal_share(z[i]));
     }
     return drawn;
   }

@@ -65,7 +65,4 @@ Eigen::MatrixXd shrunk_covariance(const Eigen::MatrixXd& samples, double shrinka
 std::vector<Eigen::Index> draw_indices(const Eigen::VectorXd& weights, Eigen::Index count,
                                        bool stratified, Random& random);
 
-// The standard normal distribution's inverse , for p in (0, 1).
-double normal_quantile(double p);
-
 }  // namespace mocaplm

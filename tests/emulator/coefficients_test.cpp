@@ -77,13 +77,6 @@ TEST(ShrunkCovariance, FewSamplesAndConstantOnesStayInvertible) {
             Eigen::Success);
 }
 
-TEST(NormalQuantile, IsTheInverse) {
-  for (const double p : {1e-14, 1e-6, 0.01, 0.3, 0.5, 0.8, 0.999, 1 - 1e-9})
-    EXPECT_NEAR(0.5 * std::erfc(-normal_quantile(p) / std::sqrt(2.0)), p, 1e-12 * p + 1e-16);
-  EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-12);
-  EXPECT_NEAR(normal_quantile(0.5), 0, 1e-15);
-}
-
 TEST(Coefficients, GaussianDensityAndSamples) {
   const Eigen::MatrixXd x = correlated(60, 4);
   const Eigen::VectorXd mean = x.colwise().mean().transpose();
