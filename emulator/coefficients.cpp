@@ -64,10 +64,6 @@ std::vector<Eigen::Index> draw_indices(const Eigen::VectorXd& weights, Eigen::In
 
 namespace {
 
-double normal_share(double x) {
-  return 0.5 * std::erfc(-x / std::sqrt(2.0));
-}
-
 // One coefficient's distribution: kernels of one width on points drawn together about their mean.
 struct Marginal {
   Eigen::VectorXd points;
