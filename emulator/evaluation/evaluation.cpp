@@ -32,19 +32,17 @@ std::vector<NamedClass> classes_of(const Dataset& dataset, const EvaluationOptio
   if (known.empty())
     throw UsageError("--label " + options.label + ": no clip of " + dataset.directory.string() +
                      " has this label" + known_names(options.label, labels));
+  const std::vector<DatasetEntry> entries = entries_where(dataset, options.where, "");
   std::vector<NamedClass> classes;
   for (const std::string& value : options.values.empty() ? known : options.values) {
     if (std::find(known.begin(), known.end(), value) == known.end())
       throw UsageError("--values " + value + ": no clip of " + dataset.directory.string() +
                        " has this " + options.label + known_names(value, known));
-    std::vector<std::string> where = options.where;
-    where.push_back(options.label + "=" + value);
     NamedClass one{value, {}};
-    for (const DatasetEntry& entry : dataset.entries) {
+    for (const DatasetEntry& entry : entries) {
       const auto label = entry.labels.find(options.label);
       if (label != entry.labels.end() && label->second == value) one.entries.push_back(entry);
     }
-    if (!options.where.empty()) one.entries = entries_where(dataset, where, "");
     classes.push_back(std::move(one));
   }
   return classes;
