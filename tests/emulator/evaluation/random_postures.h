@@ -1,6 +1,7 @@
 // Smooth random posture sequences for the tests.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <vector>
 
