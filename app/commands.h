@@ -16,6 +16,7 @@ void add_view(CLI::App& app);
 void add_gesture(CLI::App& app);
 void add_query(CLI::App& app);
 void add_filter(CLI::App& app);
+void add_emulate(CLI::App& app);
 
 void add_train(CLI::App& app);
 void add_classify(CLI::App& app);

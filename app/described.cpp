@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "common/error.h"
+#include "common/files.h"
 #include "common/settings.h"
 #include "common/text.h"
+#include "emulator/motions.h"
 #include "model/directory.h"
 #include "motion/formats/aist.h"
 #include "motion/formats/formats.h"
@@ -111,6 +113,30 @@ std::vector<Table> describe_tokenizer(const fs::path& path) {
   return {table};
 }
 
+// A damaged file is the tokenizer reader's to complain about.
+bool is_emulator(const fs::path& path) {
+  const std::string head = read_head(path, 40);
+  return head.find("\"mocaplm emulator\"") != std::string::npos;
+}
+
+std::vector<Table> describe_emulator(const fs::path& path) {
+  const MotionEmulator motions = load_motion_emulator(path);
+  const Emulator& emulator = *motions.emulator;
+  Table table(path.string(), {"emulator", to_string(emulator.scheme())});
+  table.row({"class", motions.where.empty() ? "all clips" : join(motions.where, ", ")});
+  table.row({"dataset", motions.data});
+  table.row({"clips fitted to", motions.seconds.size()});
+  table.row({"frames", emulator.frames()});
+  table.row({"landmarks", motions.tree.names.size()});
+  if (emulator.d1() > 0)
+    table.row(
+        {"components", std::to_string(emulator.d1()) + " x " + std::to_string(emulator.d2())});
+  for (const Json& settings : {settings_json(motions.landmarks), settings_json(motions.align),
+                               settings_json(motions.options)})
+    for (const auto& item : settings.items()) table.row({item.key(), item.value().dump()});
+  return {table};
+}
+
 std::vector<Table> describe_model(const fs::path& path) {
   const ModelDescription model = load_description(path);
   check_complete(path);
@@ -151,7 +177,8 @@ std::vector<Table> describe_path(const fs::path& path) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
   if (path.filename() == "dataset.json") return describe_dataset(folder);
   if (path.filename() == "config.json") return describe_model(folder);
-  if (path.extension() == ".json") return describe_tokenizer(path);
+  if (path.extension() == ".json")
+    return is_emulator(path) ? describe_emulator(path) : describe_tokenizer(path);
   return describe_clip(path);
 }
 

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   add_gesture(app);
   add_query(app);
   add_filter(app);
+  add_emulate(app);
 #endif
   return run(app, argc, argv);
 }

@@ -1,0 +1,10 @@
+// The loop for AVX2 with FMA; called only after the processor was asked.
+#include "emulator/evaluation/angles_body.h"
+
+namespace mocaplm {
+
+double angle_sum_avx2(const double* a, const double* b, std::int64_t blocks) {
+  return angle_sum(a, b, blocks);
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,78 @@
+// emulate test from the command line: tables, report, exit codes, messages.
+#include <gtest/gtest.h>
+
+#include "app/command_line.h"
+#include "common/files.h"
+#include "common/json.h"
+#include "support/small_dataset.h"
+#include "temporary_folder.h"
+
+namespace fs = std::filesystem;
+
+namespace mocaplm {
+namespace {
+
+class EmulateTestCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::vector<SmallClip> clips;
+    for (int i = 0; i < 7; ++i)
+      clips.push_back(
+          {"clip" + std::to_string(i), "train", 12 + i, {{"content", i < 6 ? "walk" : "jump"}}});
+    write_dataset(folder_ / "data", clips);
+  }
+  std::string at(const std::string& name) const { return "'" + (folder_ / name).string() + "'"; }
+  Ran test(const std::string& options) const {
+    return run_mocaplm("emulate test " + at("data") +
+                       " --label content --align none --frames 10 --d1 3 --d2 2 --samples 6 "
+                       "--permutations 29 --postures 40 --window 4 --step 2 --level-one 0 "
+                       "--scheme SIEM/SequentialPCA/IG,PWI " +
+                       options);
+  }
+  void expect(const std::string& options, int code, const std::string& part) const {
+    const Ran ran = test(options);
+    EXPECT_EQ(ran.code, code) << options << "\n" << ran.text;
+    EXPECT_NE(ran.text.find(part), std::string::npos) << options << "\n" << ran.text;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(EmulateTestCommand, WritesTablesAndReport) {
+  const Ran ran = test("--json " + at("t.json") + " --out " + at("report"));
+  ASSERT_EQ(ran.code, 0) << ran.text;
+  for (const char* part : {"Table 1", "Table 2", "Table 4", "Table 5", "left out: jump"})
+    EXPECT_NE(ran.text.find(part), std::string::npos) << part << "\n" << ran.text;
+  EXPECT_EQ(ran.text.find("Table 3"), std::string::npos);
+  const Json tables = load_json(folder_ / "t.json");
+  ASSERT_GE(tables.size(), 6u);
+  EXPECT_EQ(tables.at(1).at("rows").at(0).at("content"), "walk");
+  EXPECT_NE(read_file(folder_ / "report/report.html").find("</svg>"), std::string::npos);
+  EXPECT_EQ(load_json(folder_ / "report/settings.json").at("permutations"), 29);
+}
+
+TEST_F(EmulateTestCommand, WhatCannotBeIsRefused) {
+  expect("--values jump", 3, "has 1 clip, expected 5 or more");
+  expect("--values wlak", 2, "did you mean \"walk\"");
+  expect("--where content=run", 2, "run");
+  expect("--parts 10", 2, "expected two shares");
+  expect("--samples 1", 2, "samples");
+  expect("--alpha 3", 2, "alpha");
+  expect("--test-share 1", 2, "test-share");
+  expect("--json /proc/none/t.json", 3, "/proc/none");
+  const Ran none = run_mocaplm("emulate test " + at("nowhere"));
+  EXPECT_EQ(none.code, 3) << none.text;
+}
+
+// A dataset none of whose classes has enough clips.
+TEST_F(EmulateTestCommand, NothingToSplitIsSaid) {
+  std::vector<SmallClip> clips;
+  for (int i = 0; i < 4; ++i)
+    clips.push_back({"c" + std::to_string(i), "train", 12, {{"content", "a" + std::to_string(i)}}});
+  write_dataset(folder_ / "few", clips);
+  const Ran ran = run_mocaplm("emulate test " + at("few") + " --label content");
+  EXPECT_EQ(ran.code, 3) << ran.text;
+  EXPECT_NE(ran.text.find("no value of content has the 5 clips"), std::string::npos) << ran.text;
+}
+
+}  // namespace
+}  // namespace mocaplm
