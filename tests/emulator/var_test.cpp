@@ -24,10 +24,11 @@ std::vector<Eigen::MatrixXd> simulated(int count, Eigen::Index frames) {
     Eigen::MatrixXd course(2, frames);
     for (Eigen::Index t = 0; t < frames; ++t) {
       const Eigen::Vector2d e(random.normal(), random.normal());
-      Eigen::VectorXd now = Eigen::Vector2d(1, -2) + s * e;
+      Eigen::Vector2d now = Eigen::Vector2d(1, -2) + s * e;
       if (t > 0) now += a * course.col(t - 1);
       if (t > 1) now += b * course.col(t - 2);
-      course.col(t) = now;
+      course(0, t) = now[0];
+      course(1, t) = now[1];
     }
     courses.push_back(course);
   }
