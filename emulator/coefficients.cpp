@@ -9,6 +9,7 @@
 #include "emulator/gaussians.h"
 #include "emulator/local.h"
 #include "emulator/reduction.h"
+#include "numeric/distributions.h"
 #include "numeric/quantiles.h"
 
 namespace mocaplm {
@@ -71,7 +72,7 @@ struct Marginal {
 
   double cdf(double x) const {
     double sum = 0;
-    for (const double point : points) sum += normal_share((x - point) / width);
+    for (const double point : points) sum += normal_cdf((x - point) / width);
     return sum / static_cast<double>(points.size());
   }
   double log_density(double x) const {
@@ -117,7 +118,7 @@ class Copula : public CoefficientModel {
       for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = random.normal();
       z = factor_.triangularView<Eigen::Lower>() * z;
       for (Eigen::Index i = 0; i < z.size(); ++i)
-        drawn(k, i) = marginals_[static_cast<std::size_t>(i)].quantile(normal_share(z[i]));
+        drawn(k, i) = marginals_[static_cast<std::size_t>(i)].quantile(normal_cdf(z[i]));
     }
     return drawn;
   }

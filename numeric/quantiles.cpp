@@ -5,11 +5,10 @@
 #include <cmath>
 #include <numeric>
 
-namespace mocaplm {
+#include "numeric/distributions.h"
+#include "numeric/lilliefors.h"
 
-double normal_share(double x) {
-  return 0.5 * std::erfc(-x / std::sqrt(2.0));
-}
+namespace mocaplm {
 
 double normal_quantile(double p) {
   assert(p > 0 && p < 1);
@@ -20,7 +19,7 @@ double normal_quantile(double p) {
                      (1 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
   constexpr double kRootTwoPi = 2.5066282746310002;
   // On the upper tail, so that small shares keep their digits.
-  for (int i = 0; i < 3; ++i) x += (normal_share(-x) - tail) * kRootTwoPi * std::exp(0.5 * x * x);
+  for (int i = 0; i < 3; ++i) x += (normal_cdf(-x) - tail) * kRootTwoPi * std::exp(0.5 * x * x);
   return p < 0.5 ? -x : x;
 }
 
@@ -56,9 +55,9 @@ NormalPlot normal_plot(std::vector<double> values) {
     both += expected * value;
     expected_squares += expected * expected;
     value_squares += value * value;
-    const double share = normal_share(value);
-    plot.lilliefors = std::max({plot.lilliefors, rank / n - share, share - (rank - 1) / n});
   }
+  plot.lilliefors = lilliefors_statistic(
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
   plot.correlation = both / std::sqrt(expected_squares * value_squares);
   return plot;
 }

@@ -7,8 +7,7 @@
 
 namespace mocaplm {
 
-// The normal distribution: share below x, and the x that a share p in (0, 1) lies below (to 1e-9).
-double normal_share(double x);
+// The x that a share p in (0, 1) of the normal distribution lies below (to 1e-9).
 double normal_quantile(double p);
 
 // The value that a share p in [0, 1] of the sample lies below, between members linearly

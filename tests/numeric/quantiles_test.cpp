@@ -1,4 +1,5 @@
 #include "numeric/quantiles.h"
+#include "numeric/distributions.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ TEST(NormalQuantile, IsTheInverseAndAsTabled) {
   EXPECT_NEAR(normal_quantile(0.001), -3.090232306167813, 1e-9);
   EXPECT_NEAR(normal_quantile(1e-10), -6.361340902404056, 1e-8);
   for (double p = 0.001; p < 1; p += 0.0137) {
-    EXPECT_NEAR(normal_share(normal_quantile(p)), p, 1e-10);
+    EXPECT_NEAR(normal_cdf(normal_quantile(p)), p, 1e-10);
     EXPECT_NEAR(normal_quantile(p), -normal_quantile(1 - p), 1e-9);
   }
 }
