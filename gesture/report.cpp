@@ -44,10 +44,10 @@ std::vector<double> significant_halves(const PhaseData& data, const ReportConfig
         p.row(static_cast<Eigen::Index>(i)) = data.p.row(order[from + i]);
       }
       const Tested half = test_all(q, p);
-      for (std::size_t j = 0; j < share.size(); ++j)
-        share[j] += (half.each[j].f_p < 0.05) / (2.0 * static_cast<double>(config.partitions));
+      for (std::size_t j = 0; j < share.size(); ++j) share[j] += half.each[j].f_p < 0.05;
     }
   }
+  for (double& one : share) one /= 2 * static_cast<double>(config.partitions);
   return share;
 }
 

@@ -57,7 +57,7 @@ ResponseStatistics response_statistics(const LinearRegression& fit, const Eigen:
                                        const Eigen::MatrixXd& y, Eigen::Index response);
 
 // (n, r): what each row would be predicted as by a fit without it. Least squares and ridge use the
-// leverage, a robust fit is made anew for each row.
+// leverage; a robust fit is only reweighted without the row, with no search of its own.
 Eigen::MatrixXd left_out_predictions(const LinearRegression& fit, const Eigen::MatrixXd& x,
                                      const Eigen::MatrixXd& y, const RegressionOptions& options);
 
