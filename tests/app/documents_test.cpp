@@ -19,7 +19,7 @@ namespace {
 
 const fs::path kRoot = MOCAPLM_SOURCE_DIR;
 // Commands whose first word is a command of its own, with its own options.
-const std::set<std::string> kWithParts = {"gesture"};
+const std::set<std::string> kWithParts = {"emulate", "gesture"};
 const std::set<std::string> kWithTorch = {"train",  "classify",    "evaluate", "experiment",
                                           "infill", "interpolate", "demo"};
 

@@ -48,7 +48,10 @@ TEST_F(SpectralCommands, QueryPrintsAndShowsMatches) {
   const Json table = load_json(at("q.json"));
   ASSERT_EQ(table["rows"].size(), 2u);
   EXPECT_EQ(table["rows"][0]["clip"], "b");
-  EXPECT_NEAR(table["rows"][0]["cosine similarity"].get<double>(), 1, 1e-3);
+  // The query begins between the windows of the index: alike, not the same.
+  EXPECT_GT(table["rows"][0]["cosine similarity"].get<double>(), 0.9);
+  EXPECT_LT(table["rows"][1]["cosine similarity"].get<double>(),
+            table["rows"][0]["cosine similarity"].get<double>());
   EXPECT_TRUE(contains(read_file(at("q.html")), "like a:0.5-2.1"));
   EXPECT_TRUE(contains(run_mocaplm(query() + "a").text, "kept from before"));
 }

@@ -248,7 +248,7 @@ TEST_F(BrowserTest, DrawsFlatWithoutWebGl) {
   const std::string painted =
       "(c => c.getContext('2d').getImageData(0, 0, c.width, c.height).data"
       ".filter((x, i) => i % 4 == 3 && x > 200).length)(canvas)";
-  EXPECT_GT(browser_->evaluate(painted).get<int>(), 5000);
+  EXPECT_GT(browser_->evaluate(painted).get<int>(), 2000);
   browser_->key("t", "t");
   browser_->key("o", "o");
   browser_->key("ArrowRight");
