@@ -45,6 +45,47 @@ void share(const PieceStream& pieces, std::size_t token, double bits, BitCount& 
     count.bits[c] += bits / static_cast<double>(last - begin);
 }
 
+// The positions of one window, and as targets the tokens of the frames that count in it. The last
+// token predicts nothing that is scored.
+void add_window(const ModelDescription& model, const ScoredClip& clip, const PieceWindow& window,
+                std::vector<ModelInput>& inputs, std::vector<std::vector<std::int32_t>>& targets) {
+  const PieceStream& pieces = clip.pieces;
+  const std::size_t first = pieces.frames[window.first], last = pieces.frames[window.last];
+  inputs.push_back(piece_window_input(model, clip.prefix, {clip.ids, pieces.tokens, pieces.starts},
+                                      first, last - first - 1));
+  std::vector<std::int32_t> target(inputs.back().size(), -1);
+  for (std::size_t t = pieces.frames[window.scored]; t < last; ++t)
+    target[clip.prefix.size() - 1 + t - first] = pieces.tokens[t];
+  targets.push_back(std::move(target));
+}
+
+// Windows of one batch, padded to the longest of them.
+Batch batch_of(const ModelDescription& model, const std::vector<ScoredClip>& clips,
+               const PieceWindow* begin, const PieceWindow* end) {
+  std::vector<ModelInput> inputs;
+  std::vector<std::vector<std::int32_t>> targets;
+  std::size_t length = 0;
+  for (const PieceWindow* window = begin; window != end; ++window) {
+    add_window(model, clips[window->clip], *window, inputs, targets);
+    length = std::max(length, inputs.back().size());
+  }
+  for (std::size_t w = 0; w < inputs.size(); ++w) {
+    const std::vector<std::int32_t>& ids = clips[begin[w].clip].ids;
+    while (inputs[w].size() < length)
+      append_prefix(inputs[w], model, Tokenizer::kPad, false, ids, 0);
+    targets[w].resize(length, -1);
+  }
+  return stack(inputs, targets);
+}
+
+// `nats`: of the window's positions from the prefix's last on, which predicts its first token.
+void count_window(const PieceStream& pieces, const PieceWindow& window, const float* nats,
+                  BitCount& count) {
+  const std::size_t first = pieces.frames[window.first];
+  for (std::size_t t = pieces.frames[window.scored]; t < pieces.frames[window.last]; ++t)
+    share(pieces, t, nats[t - first] / std::log(2.0), count);
+}
+
 }  // namespace
 
 std::vector<BitCount> score_piece_clips(LanguageModel& model, const std::vector<ScoredClip>& clips,
@@ -62,38 +103,12 @@ std::vector<BitCount> score_piece_clips(LanguageModel& model, const std::vector<
   const auto at_once = static_cast<std::size_t>(windows_at_once);
   for (std::size_t i = 0; i < windows.size(); i += at_once) {
     const std::size_t end = std::min(i + at_once, windows.size());
-    std::vector<ModelInput> inputs;
-    std::vector<std::vector<std::int32_t>> targets;
-    std::size_t length = 0;  // the first of the sorted windows is the longest but for its prefix
-    for (std::size_t w = i; w < end; ++w) {
-      const ScoredClip& clip = clips[windows[w].clip];
-      const PieceStream& pieces = clip.pieces;
-      const std::size_t first = pieces.frames[windows[w].first];
-      // The last token predicts nothing that is scored.
-      inputs.push_back(piece_window_input(d, clip.prefix, {clip.ids, pieces.tokens, pieces.starts},
-                                          first, pieces.frames[windows[w].last] - first - 1));
-      length = std::max(length, inputs.back().size());
-    }
-    for (std::size_t w = i; w < end; ++w) {
-      const ScoredClip& clip = clips[windows[w].clip];
-      const std::vector<std::size_t>& frames = clip.pieces.frames;
-      while (inputs[w - i].size() < length)
-        append_prefix(inputs[w - i], d, Tokenizer::kPad, false, clip.ids, 0);
-      targets.emplace_back(length, -1);
-      for (std::size_t t = frames[windows[w].scored]; t < frames[windows[w].last]; ++t)
-        targets.back()[clip.prefix.size() - 1 + t - frames[windows[w].first]] =
-            clip.pieces.tokens[t];
-    }
-    const Batch batch = stack(inputs, targets).to(device);
+    const Batch batch = batch_of(d, clips, windows.data() + i, windows.data() + end).to(device);
     const at::Tensor nats = model.loss(model.hidden(batch), batch).to(at::kCPU).contiguous();
     for (std::size_t w = i; w < end; ++w) {
-      const PieceWindow& one = windows[w];
-      const ScoredClip& clip = clips[one.clip];
-      const float* row = nats.data_ptr<float>() + static_cast<std::int64_t>(w - i) * nats.size(1) +
-                         clip.prefix.size() - 1;
-      const std::vector<std::size_t>& frames = clip.pieces.frames;
-      for (std::size_t t = frames[one.scored]; t < frames[one.last]; ++t)
-        share(clip.pieces, t, row[t - frames[one.first]] / std::log(2.0), counts[one.clip]);
+      const ScoredClip& clip = clips[windows[w].clip];
+      const float* row = nats.data_ptr<float>() + static_cast<std::int64_t>(w - i) * nats.size(1);
+      count_window(clip.pieces, windows[w], row + clip.prefix.size() - 1, counts[windows[w].clip]);
     }
     if (progress) progress(end, windows.size());
   }

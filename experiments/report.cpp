@@ -67,7 +67,7 @@ void add_notes(Table& table, const std::vector<RowResult>& rows, const std::vect
   table.note("held-out clips (split " + split +
              "); bits/frame over the rotations that every row tells: " +
              std::to_string(shared.size()) + " joints, " + std::to_string(3 * shared.size()) +
-             " channels; loss: nats of a predicted token, over all that the row tells");
+             " channels; loss: nats of a predicted character, over all that the row tells");
   if (differ(rows, [](const RowResult& r) { return r.fps; }))
     table.note(
         "at different rates compare bits/s: a frame of a faster stream is nearer to the one "

@@ -103,9 +103,10 @@ void train_row(const ExperimentRow& row, const ExperimentOptions& options) {
 }
 
 void describe_run(RowResult& result, const fs::path& run) {
-  const Json state = load_json(run / "last" / "state.json");
-  result.steps = state.at("step").get<std::int64_t>();
-  result.minutes = state.at("seconds").get<double>() / 60;
+  const fs::path file = run / "last" / "state.json";
+  JsonObject state(load_json(file), file.string());
+  result.steps = state.integer("step", 0);
+  result.minutes = state.number("seconds", 0) / 60;
   result.parameters = static_cast<std::int64_t>(parameter_count(load_description(run / "last")));
 }
 

@@ -25,7 +25,7 @@ void BlockStack::take(Weights& weights, const EngineOptions& options, Arena& are
     return packed(weights, name, out, in, options.precision, arena);
   };
   for (std::int64_t i = 0; i < shape_.layers; ++i) {
-    const std::string at = shape_.prefix + shape_.name + std::to_string(i) + ".";
+    const std::string at = shape_.blocks + std::to_string(i) + ".";
     Block b;
     b.ln1_w = weights.take(at + "ln1.weight", {width});
     b.ln1_b = weights.take(at + "ln1.bias", {width});
@@ -37,9 +37,9 @@ void BlockStack::take(Weights& weights, const EngineOptions& options, Arena& are
     b.down = linear(at + "down", width, 4 * width);
     blocks_.push_back(std::move(b));
   }
-  if (shape_.name != "block.") return;
-  ln_w_ = weights.take(shape_.prefix + "ln.weight", {width});
-  ln_b_ = weights.take(shape_.prefix + "ln.bias", {width});
+  if (shape_.norm.empty()) return;
+  ln_w_ = weights.take(shape_.norm + ".weight", {width});
+  ln_b_ = weights.take(shape_.norm + ".bias", {width});
 }
 
 void BlockStack::make_room(const EngineOptions& options, Arena& arena) {

@@ -14,10 +14,10 @@
 namespace mocaplm {
 
 struct StackShape {
-  std::string prefix;  // of the tensors' names: "" for block.0.ln1.weight ..., ln.weight
+  std::string blocks;  // the tensors' names begin so: "block." for block.0.ln1.weight and so on
+  std::string norm;    // "ln" for ln.weight and ln.bias behind the last block; "": there is none
   std::int64_t layers, heads, width;
-  std::int64_t capacity;        // positions a sequence
-  std::string name = "block.";  // of the blocks; only those called so have a norm behind the last
+  std::int64_t capacity;  // positions a sequence
 };
 
 class BlockStack {

@@ -22,8 +22,8 @@ class Decoder {
   // the model does not see, though it knows from them how each channel moved.
   virtual void begin(std::int64_t sequence, const std::vector<std::int32_t>& prefix,
                      const std::vector<std::int32_t>& before) = 0;
-  // Whether the channels of a frame may come in any order; then set_order, at the start of a frame,
-  // tells it (every channel once).
+  // Whether the joints of a frame may come in any order; then set_order, at the start of a frame,
+  // tells it: every channel once, the three of a joint one after the other.
   virtual bool any_order() const { return false; }
   virtual void set_order(std::int64_t sequence, const std::vector<int>& channels);
 

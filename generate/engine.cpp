@@ -54,7 +54,7 @@ Engine::Engine(const StoredModel& model, const std::string& place, const EngineO
       team_(options.threads),
       embeddings_(weights, description_),
       blocks_(weights,
-              {"", description_.config.n_layer, description_.config.n_head,
+              {"block.", "ln", description_.config.n_layer, description_.config.n_head,
                description_.config.n_embd, description_.config.block_size},
               options_, team_, arena_),
       output_(weights, description_, description_.config.n_embd, options_, team_, arena_),
@@ -111,6 +111,16 @@ const std::vector<std::vector<float>>& Engine::feed(const std::vector<Feed>& fee
   append(feeds);
   blocks_.final_norm(last_.data(), static_cast<std::int64_t>(feeds.size()), normed_.data());
   return output_.logits(normed_.data(), centre);
+}
+
+const std::vector<std::vector<float>>& Engine::feed(const std::vector<std::int64_t>& sequences,
+                                                    std::vector<ModelInput>& waiting) {
+  std::vector<Feed> feeds;
+  for (const std::int64_t s : sequences)
+    feeds.push_back({s, &waiting[static_cast<std::size_t>(s)]});
+  const auto& logits = feed(feeds);
+  for (const std::int64_t s : sequences) waiting[static_cast<std::size_t>(s)] = ModelInput();
+  return logits;
 }
 
 }  // namespace mocaplm

@@ -34,6 +34,9 @@ class Engine {
   // (vocabulary) of each feed's last position, in their order, until the next call. A sequence may
   // come once.
   const std::vector<std::vector<float>>& feed(const std::vector<Feed>& feeds);
+  // Feeds these sequences what waits for each of them, an entry for every sequence, and empties it.
+  const std::vector<std::vector<float>>& feed(const std::vector<std::int64_t>& sequences,
+                                              std::vector<ModelInput>& waiting);
   // The same without the output layer, for positions whose next token is known.
   void feed_silently(const std::vector<Feed>& feeds);
   // One sequence.

@@ -27,19 +27,21 @@ PieceDecoder::PieceDecoder(const StoredModel& model, const std::string& place,
                            const EngineOptions& options)
     : pieces_(stored_pieces(model, place)),
       engine_(model, place, options),
-      streams_(static_cast<std::size_t>(engine_.sequences())) {}
+      streams_(static_cast<std::size_t>(engine_.sequences())),
+      pending_(streams_.size()) {}
 
 void PieceDecoder::begin(std::int64_t sequence, const std::vector<std::int32_t>& prefix,
                          const std::vector<std::int32_t>& before) {
   engine_.reset(sequence);
-  streams_[static_cast<std::size_t>(sequence)] = {
-      prefix,          before, {},
-      {before.size()}, 0,      window_input(description(), prefix, before, before.size(), 0)};
+  const auto s = static_cast<std::size_t>(sequence);
+  streams_[s] = {prefix, before, {}, {before.size()}};
+  pending_[s] = window_input(description(), prefix, before, before.size(), 0);
 }
 
 void PieceDecoder::push(std::int64_t sequence, std::int32_t id) {
-  Stream& stream = streams_[static_cast<std::size_t>(sequence)];
-  const auto waiting = static_cast<std::int64_t>(stream.pending.size());
+  const auto s = static_cast<std::size_t>(sequence);
+  Stream& stream = streams_[s];
+  const auto waiting = static_cast<std::int64_t>(pending_[s].size());
   if (engine_.length(sequence) + waiting >= engine_.capacity()) slide(sequence, stream);
   const PieceVocabulary::Characters characters = pieces_.characters(id);
   const std::size_t index = stream.ids.size(), begin = stream.starts[stream.first];
@@ -48,7 +50,7 @@ void PieceDecoder::push(std::int64_t sequence, std::int32_t id) {
   stream.ids.insert(stream.ids.end(), characters.data, characters.data + characters.size);
   stream.tokens.push_back(id);
   stream.starts.push_back(stream.ids.size());
-  append_piece(stream.pending, description(), stream.ids, begin, index, id, characters.size);
+  append_piece(pending_[s], description(), stream.ids, begin, index, id, characters.size);
 }
 
 // Whole frames at a time; the context holds two frames of single characters (check_model), so that
@@ -61,20 +63,14 @@ void PieceDecoder::slide(std::int64_t sequence, Stream& stream) {
   while (first < done && stream.starts[first] % per_frame != 0) ++first;
   stream.first = first;
   engine_.reset(sequence);
-  stream.pending =
+  pending_[static_cast<std::size_t>(sequence)] =
       piece_window_input(description(), stream.prefix, {stream.ids, stream.tokens, stream.starts},
                          first, done - first);
 }
 
 const std::vector<std::vector<float>>& PieceDecoder::logits(
     const std::vector<std::int64_t>& sequences) {
-  std::vector<Engine::Feed> feeds;
-  for (const std::int64_t s : sequences)
-    feeds.push_back({s, &streams_[static_cast<std::size_t>(s)].pending});
-  const auto& logits = engine_.feed(feeds);
-  for (const std::int64_t s : sequences)
-    streams_[static_cast<std::size_t>(s)].pending = ModelInput();
-  return logits;
+  return engine_.feed(sequences, pending_);
 }
 
 }  // namespace mocaplm

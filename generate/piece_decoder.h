@@ -28,7 +28,6 @@ class PieceDecoder : public Decoder {
     std::vector<std::int32_t> tokens;  // that tell those behind `before`
     std::vector<std::size_t> starts;   // of each token, its first character; then the end
     std::size_t first = 0;             // token at which the cache begins, a frame's first
-    ModelInput pending;                // positions that the engine has not been fed yet
   };
 
   void slide(std::int64_t sequence, Stream& stream);
@@ -36,6 +35,7 @@ class PieceDecoder : public Decoder {
   PieceVocabulary pieces_;
   Engine engine_;
   std::vector<Stream> streams_;
+  std::vector<ModelInput> pending_;  // of each stream, positions that the engine has not been fed
 };
 
 // The pieces of a stored model, none where it speaks single characters. Throws DataError when they

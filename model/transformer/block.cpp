@@ -9,41 +9,41 @@ namespace mocaplm {
 
 namespace {
 
-at::Tensor linear(const at::Tensor& x, const LinearWeights& w, at::ScalarType type) {
-  return at::linear(x.to(type), w.weight.to(type), w.bias.to(type));
-}
-
 at::Tensor drop(const at::Tensor& x, double p) {
   return p > 0 ? x * dropout_mask(x, p) : x;
 }
 
-bool on_kernels(const at::Tensor& x, at::ScalarType precision) {
+}  // namespace
+
+at::Tensor linear_in(at::ScalarType type, const LinearWeights& w, const at::Tensor& x) {
+  return at::linear(x.to(type), w.weight.to(type), w.bias.to(type));
+}
+
+bool wants_kernels(const at::Tensor& x, at::ScalarType precision) {
   return precision == at::kBFloat16 && x.device().is_cpu() && x.scalar_type() == at::kFloat;
 }
 
-}  // namespace
-
 at::Tensor plain_block(const BlockWeights& w, const at::Tensor& x, const BlockOptions& o) {
   const std::int64_t batch = x.size(0), length = x.size(1), width = x.size(2);
-  const at::Tensor qkv = linear(at::layer_norm(x, {width}, w.ln1_w, w.ln1_b), w.qkv, o.precision)
+  const at::Tensor qkv = linear_in(o.precision, w.qkv, at::layer_norm(x, {width}, w.ln1_w, w.ln1_b))
                              .view({batch, length, 3, o.heads, width / o.heads});
   const at::Tensor attended =
       packed_causal_attention(qkv, o.free, o.dropout).reshape({batch, length, width});
-  const at::Tensor middle = x + drop(linear(attended, w.proj, o.precision), o.dropout);
+  const at::Tensor middle = x + drop(linear_in(o.precision, w.proj, attended), o.dropout);
   // The exact GELU: in bf16 LibTorch 1.13's tanh formula takes eight times as long on a CPU.
   const at::Tensor up =
-      at::gelu(linear(at::layer_norm(middle, {width}, w.ln2_w, w.ln2_b), w.up, o.precision));
-  return middle + drop(linear(up, w.down, o.precision), o.dropout);
+      at::gelu(linear_in(o.precision, w.up, at::layer_norm(middle, {width}, w.ln2_w, w.ln2_b)));
+  return middle + drop(linear_in(o.precision, w.down, up), o.dropout);
 }
 
 at::Tensor transformer_block(const BlockWeights& w, const at::Tensor& x, const BlockOptions& o) {
-  return on_kernels(x, o.precision) && cpu::block_available(x.size(2), o.heads)
+  return wants_kernels(x, o.precision) && cpu::block_available(x.size(2), o.heads)
              ? fused_block(w, x, o)
              : plain_block(w, x, o);
 }
 
 at::Tensor output_linear(const LinearWeights& w, const at::Tensor& x, at::ScalarType precision) {
-  return on_kernels(x, precision) && cpu::products_available(x.size(1))
+  return wants_kernels(x, precision) && cpu::products_available(x.size(1))
              ? fused_output_linear(w, x)
              : at::linear(x, w.weight, w.bias);
 }

@@ -29,6 +29,12 @@ at::Tensor transformer_block(const BlockWeights& weights, const at::Tensor& x,
 at::Tensor plain_block(const BlockWeights& weights, const at::Tensor& x,
                        const BlockOptions& options);
 
+// x w^T + b with the factors rounded to `type`, which the result has.
+at::Tensor linear_in(at::ScalarType type, const LinearWeights& weights, const at::Tensor& x);
+
+// Whether products of x in this precision may run on the kernels of cpu/, if these are available.
+bool wants_kernels(const at::Tensor& x, at::ScalarType precision);
+
 // x (N, C) w^T + b, (N, V), all in f32; where `precision` is bf16 and the kernels are there, the
 // factors are rounded to it. Differentiable once.
 at::Tensor output_linear(const LinearWeights& weights, const at::Tensor& x,

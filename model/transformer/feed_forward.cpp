@@ -1,5 +1,6 @@
 #include "model/transformer/feed_forward.h"
 
+#include "model/transformer/block.h"
 #include "model/transformer/fused_parts.h"
 
 namespace mocaplm {
@@ -8,10 +9,6 @@ namespace {
 
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
-
-at::Tensor linear(const at::Tensor& x, const LinearWeights& w, at::ScalarType type) {
-  return at::linear(x.to(type), w.weight.to(type), w.bias.to(type));
-}
 
 // What a pass leaves for the way back: x in f32, the rest in bf16 but for the norm's statistics.
 struct Held : torch::CustomClassHolder {
@@ -76,14 +73,13 @@ at::Tensor plain_feed_forward(const FeedForwardWeights& w, const at::Tensor& x,
                               at::ScalarType precision) {
   // The exact GELU, as in block.cpp.
   const at::Tensor up =
-      at::gelu(linear(at::layer_norm(x, {x.size(1)}, w.ln_w, w.ln_b), w.up, precision));
-  return x + linear(up, w.down, precision);
+      at::gelu(linear_in(precision, w.up, at::layer_norm(x, {x.size(1)}, w.ln_w, w.ln_b)));
+  return x + linear_in(precision, w.down, up);
 }
 
 at::Tensor feed_forward(const FeedForwardWeights& w, const at::Tensor& x,
                         at::ScalarType precision) {
-  const bool on_kernels = precision == at::kBFloat16 && x.device().is_cpu() &&
-                          x.scalar_type() == at::kFloat &&
+  const bool on_kernels = wants_kernels(x, precision) &&
                           cpu::products_available(w.up.weight.size(1)) &&
                           cpu::products_available(w.down.weight.size(1));
   if (!on_kernels) return plain_feed_forward(w, x, precision);

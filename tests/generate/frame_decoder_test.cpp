@@ -81,8 +81,9 @@ void expect_window(FrameDecoder& decoder, const Ids& ids,
                    const std::vector<std::vector<float>>& expected, std::size_t silent) {
   decoder.begin(0, kPrefix, before(ids));
   for (std::size_t t = 0; t + kBefore * kPerFrame < ids.size(); ++t) {
-    if (t % kPerFrame + 1 < kPerFrame && t >= silent)
+    if (t % kPerFrame + 1 < kPerFrame && t >= silent) {
       ASSERT_LT(worst(decoder.logits({0})[0], expected[t]), 1e-3) << "token " << t;
+    }
     decoder.push(0, ids[kBefore * kPerFrame + t]);
   }
 }
