@@ -16,7 +16,7 @@ constexpr std::int32_t kNoCentre = -1000000;
 // the place u = (2 b + 1) / bins - 1 in the range; sin and cos of pi u, 2 pi u and 4 pi u;
 // asinh(v[t]) / 2, asinh(s[t]) / 2, asinh(s[t-1]) / 2; and s[t] .. s[t-5], cut to +-8, / 4. The
 // changes are what rounding to bins leaves of a smooth motion: a sum of the past ones tells where
-// within its bin the channel is.
+// within its bin the channel is. A channel that training hides (joint_subset) has zeros.
 constexpr std::int64_t kFrameLags = 6;
 constexpr std::int64_t kFrameFeatures = 10 + kFrameLags;
 constexpr int kMostChange = 8;

@@ -27,6 +27,8 @@ struct TrainConfig {
   bool heading = false;
   double speed = 1;
   double joint_subset = 0;
+  std::string balance;
+  double balance_share = 0.5;
   double mask_share = 0.15;
   double mask_spans = 0;
   std::vector<std::string> conditions;
@@ -59,7 +61,11 @@ struct TrainConfig {
              "play each clip at a random speed between 1 / speed and speed, another in every epoch "
              "(5.1); 1 for its own");
     v.number("joint_subset", joint_subset, 0, 1,
-             "flat: share of windows that show some of the joints only (5.1)");
+             "share of windows that show some of the joints only (5.1)");
+    v.text("balance", balance,
+           "label whose rarer values are drawn more often than their clips are long; empty: none");
+    v.number("balance_share", balance_share, 0, 1,
+             "how much more often: 0 by their length, 1 all values alike");
     v.number("mask_share", mask_share, 0.01, 1, "masked: share of the tokens that are hidden");
     v.number("mask_spans", mask_spans, 0, 1,
              "masked: share of windows in which joints are hidden over a stretch of frames, as "

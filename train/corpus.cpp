@@ -214,7 +214,7 @@ WindowSampler::WindowSampler(const Corpus& corpus, const ModelDescription& model
     : corpus_(corpus), model_(model) {
   double sum = 0;
   for (const EncodedClip& clip : corpus.clips)
-    cumulative_.push_back(sum += static_cast<double>(clip.ids.size()));
+    cumulative_.push_back(sum += clip.weight * static_cast<double>(clip.ids.size()));
 }
 
 Window WindowSampler::draw(Random& random, const WindowOptions& options) const {

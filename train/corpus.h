@@ -21,6 +21,7 @@ struct EncodedClip {
   PieceStream pieces;                // the same in pieces, where the model speaks them
   std::vector<std::int32_t> labels;  // condition tokens in the model's order; kMask where not known
   Labels values;                     // the labels themselves
+  double weight = 1;                 // of a frame, when windows are drawn (train/balance.h)
 };
 
 struct Corpus {
@@ -82,7 +83,8 @@ Window make_window(const Corpus& corpus, const ModelDescription& model, std::siz
 // Whole frames that fit a window beside its prefix.
 std::size_t window_frames(const ModelDescription& model, std::int64_t reserve = 0);
 
-// Draws windows so that a clip is as likely as it is long, then a start uniformly.
+// Draws windows so that a clip is as likely as it is long (times its weight), then a start
+// uniformly.
 class WindowSampler {
  public:
   WindowSampler(const Corpus& corpus, const ModelDescription& model);
@@ -91,7 +93,7 @@ class WindowSampler {
  private:
   const Corpus& corpus_;
   const ModelDescription& model_;
-  std::vector<double> cumulative_;  // frames up to and including each clip
+  std::vector<double> cumulative_;  // weights up to and including each clip
 };
 
 // Windows spread evenly over the corpus, always the same (of a masked model also what is hidden):

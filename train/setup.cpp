@@ -1,10 +1,12 @@
 #include "train/setup.h"
 
+#include <algorithm>
 #include <set>
 
 #include "common/error.h"
 #include "common/text.h"
 #include "model/transformer/setup.h"
+#include "train/balance.h"
 #include "train/learn_pieces.h"
 
 namespace fs = std::filesystem;
@@ -125,13 +127,27 @@ void check_pieces(const RunConfig& config) {
     throw UsageError("pieces (bpe, unigram) need architecture flat and objective causal");
 }
 
+void check_balance(const TrainConfig& config, const Dataset& dataset) {
+  const std::vector<std::string> known = dataset.label_names();
+  if (!config.balance.empty() &&
+      std::find(known.begin(), known.end(), config.balance) == known.end())
+    throw UsageError("balance: no clip of the dataset has the label \"" + config.balance + "\"" +
+                     known_names(config.balance, known, "Its labels"));
+}
+
 }  // namespace
+
+void balance_corpus(const TrainSetup& setup, Corpus& corpus) {
+  const TrainConfig& config = setup.config.train;
+  if (!config.balance.empty()) balance(corpus, config.balance, config.balance_share);
+}
 
 TrainSetup set_up_training(const TrainOptions& options) {
   TrainSetup setup;
   setup.config = options.config;
   check_pieces(setup.config);
   setup.dataset = load_dataset(options.data);
+  check_balance(setup.config.train, setup.dataset);
   at::manual_seed(static_cast<std::uint64_t>(setup.config.train.seed));
   if (options.resume)
     start_again(setup, options);
@@ -139,15 +155,12 @@ TrainSetup set_up_training(const TrainOptions& options) {
     start_from(setup, options);
   else
     start_fresh(setup, options);
-  if (setup.config.train.joint_subset > 0 && setup.description.frame_positions())
-    throw UsageError(
-        "joint_subset needs architecture flat: a model of frames knows no hidden "
-        "joints");
   if (setup.config.train.joint_subset > 0 && setup.pieces.any())
     throw UsageError("joint_subset needs tokens of single characters: leave out bpe and unigram");
   setup.description.procedural = setup.dataset.procedural;
   setup.train = encode_split(setup.dataset, "train", setup.encoding(), setup.config.train.mirror,
                              options.threads);
+  balance_corpus(setup, setup.train);
   setup.validation =
       encode_split(setup.dataset, "validation", setup.encoding(), false, options.threads);
   if (const auto left_out = setup.train.left_out + setup.validation.left_out; left_out > 0)

@@ -21,4 +21,7 @@ struct TrainSetup {
 // Throws UsageError or DataError when the pieces do not fit together.
 TrainSetup set_up_training(const TrainOptions& options);
 
+// Weighs the clips as the settings ask.
+void balance_corpus(const TrainSetup& setup, Corpus& corpus);
+
 }  // namespace mocaplm

@@ -137,8 +137,10 @@ class Run {
       augmentation.seed =
           stable_hash("epoch " + std::to_string(epoch), static_cast<std::uint64_t>(config_.seed));
       // One thread: the others train.
-      return encode_split(setup_.dataset, "train", setup_.encoding(), config_.mirror, 1,
-                          augmentation, &stop);
+      Corpus corpus = encode_split(setup_.dataset, "train", setup_.encoding(), config_.mirror, 1,
+                                   augmentation, &stop);
+      balance_corpus(setup_, corpus);
+      return corpus;
     };
   }
 

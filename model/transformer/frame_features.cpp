@@ -26,6 +26,7 @@ at::Tensor change(const at::Tensor& x, std::int64_t first) {
 
 at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins) {
   const at::NoGradGuard no_grad;
+  const at::Tensor shown = (bin >= 0).logical_and(bin < bins);
   const at::Tensor x = bin.to(at::kFloat);
   const at::Tensor u = (2 * x + 1) / static_cast<double>(bins) - 1;
   std::vector<at::Tensor> parts = {u};
@@ -40,7 +41,7 @@ at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins) {
   parts.push_back(shifted(wide, 1));
   const at::Tensor fine = turn.clamp(-kMostChange, kMostChange) * 0.25;
   for (std::int64_t lag = 0; lag < kFrameLags; ++lag) parts.push_back(shifted(fine, lag));
-  return at::stack(parts, 3).flatten(2);
+  return (at::stack(parts, 3) * shown.unsqueeze(3)).flatten(2);
 }
 
 }  // namespace mocaplm

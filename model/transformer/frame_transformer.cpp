@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "common/error.h"
 #include "model/transformer/frame_features.h"
 
 namespace mocaplm {
@@ -55,7 +54,7 @@ at::Tensor FrameTransformer::whole_frames(const Batch& batch) const {
                              .reshape({batch.token.size(0), frames, per_frame})
                              .slice(2, 0, shape.channels) -
                          shape.first_bin;
-  return frame_features(bin.clamp(0, shape.bins - 1), shape.bins);
+  return frame_features(bin, shape.bins);
 }
 
 at::Tensor FrameTransformer::hidden(const Batch& batch, const at::Tensor& extra) {

@@ -47,10 +47,12 @@ class FrameTransformer : public LanguageModel {
   static at::Tensor channels_of(const at::Tensor& order);  // (J) -> (C)
   // A column of the batch at these places of each frame, (B * frames * places).
   at::Tensor column(const Batch& batch, const at::Tensor& all, const at::Tensor& places) const;
-  // What is known of each joint before a frame, (B, frames, J, width).
-  at::Tensor joint_past(const at::Tensor& hidden, const Batch& batch) const;
+  // What is known of each joint before a frame, (B, frames, J, width); `features` of the frames
+  // before, here and below.
+  at::Tensor joint_past(const at::Tensor& hidden, const at::Tensor& features,
+                        const Batch& batch) const;
   // States of the joint decoder, (B * frames, J, width), the joints of a frame in this order.
-  at::Tensor joint_states(const at::Tensor& hidden, const Batch& batch,
+  at::Tensor joint_states(const at::Tensor& hidden, const at::Tensor& features, const Batch& batch,
                           const at::Tensor& order) const;
   // Final normalised states, (B * frames * C, width), the channels in the order of their joints.
   at::Tensor decode(const at::Tensor& hidden, const Batch& batch, const at::Tensor& order) const;

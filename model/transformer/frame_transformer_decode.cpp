@@ -49,19 +49,18 @@ at::Tensor FrameTransformer::column(const Batch& batch, const at::Tensor& all,
   return grid(all, batch.prefix, 0).flatten(0, 1).index_select(1, places).flatten();
 }
 
-// Row 0 where nothing is known; then each of a joint's channels has its rows.
+// Row 0 where nothing is known, as of a hidden joint; then each of a joint's channels has its rows.
 void FrameTransformer::look_up_chosen(const ChosenTables& tables, const Batch& batch,
                                       const at::Tensor& places, std::int64_t which,
                                       const at::Tensor& known, std::vector<Lookup>& lookups) const {
   const StreamShape& shape = description_.shape;
   const std::int64_t frames = batch.token.size(0) * frames_decoded(batch);
+  const at::Tensor bin = column(batch, batch.token, places).view({frames, -1, 1}) - shape.first_bin;
+  const at::Tensor there =
+      known.view({1, places.size(0), -1}) * (bin >= 0).logical_and(bin < shape.bins).to(at::kLong);
   const auto rows = [&](const at::Tensor& row, std::int64_t each) {
-    return ((row.view({frames, -1, 1}) + (1 + which * each)) * known.view({1, places.size(0), -1}))
-        .flatten();
+    return ((row.view({frames, -1, 1}) + (1 + which * each)) * there).flatten();
   };
-  // A column that the batch ends before is never asked for.
-  const at::Tensor bin =
-      (column(batch, batch.token, places) - shape.first_bin).clamp(0, shape.bins - 1);
   lookups.push_back({tables.bin, rows(bin, shape.bins)});
   if (tables.surprise.defined())
     lookups.push_back({tables.surprise, rows(column(batch, batch.surprise, places),
@@ -72,11 +71,11 @@ at::Tensor FrameTransformer::features_before(const Batch& batch) const {
   return at::constant_pad_nd(whole_frames(batch), {0, 0, 1, 0});
 }
 
-at::Tensor FrameTransformer::joint_past(const at::Tensor& hidden, const Batch& batch) const {
+at::Tensor FrameTransformer::joint_past(const at::Tensor& hidden, const at::Tensor& features,
+                                        const Batch& batch) const {
   const std::int64_t narrow = description_.config.decoder_embd, size = batch.token.size(0),
                      frames = frames_decoded(batch);
   const at::Tensor state = hidden.slice(1, batch.prefix - 1, batch.prefix - 1 + frames);
-  const at::Tensor features = features_before(batch);
   // What the time model tells each joint, and the joint's own numbers, read alike for all.
   const at::Tensor own =
       output_linear(joint_in_, at::cat({state, features}, 2).flatten(0, 1), precision_)
@@ -94,10 +93,10 @@ at::Tensor FrameTransformer::joint_past(const at::Tensor& hidden, const Batch& b
   return past.view({size, joints(), frames, narrow}).transpose(1, 2);
 }
 
-at::Tensor FrameTransformer::joint_states(const at::Tensor& hidden, const Batch& batch,
-                                          const at::Tensor& order) const {
+at::Tensor FrameTransformer::joint_states(const at::Tensor& hidden, const at::Tensor& features,
+                                          const Batch& batch, const at::Tensor& order) const {
   const std::int64_t narrow = description_.config.decoder_embd;
-  const at::Tensor past = joint_past(hidden, batch).reshape({-1, joints(), narrow});
+  const at::Tensor past = joint_past(hidden, features, batch).reshape({-1, joints(), narrow});
   const at::Tensor none = at::zeros({1}, order.options());
   const at::Tensor before = at::cat({none, order.slice(0, 0, -1) + 1});
   std::vector<Lookup> lookups = {{joint_.before, before.repeat({past.size(0)})}};
@@ -116,9 +115,9 @@ at::Tensor FrameTransformer::joint_states(const at::Tensor& hidden, const Batch&
 at::Tensor FrameTransformer::decode(const at::Tensor& hidden, const Batch& batch,
                                     const at::Tensor& order) const {
   const std::int64_t narrow = description_.config.decoder_embd;
-  const at::Tensor joint = joint_states(hidden, batch, order), channels = channels_of(order);
-  const at::Tensor features = features_before(batch)
-                                  .view({joint.size(0), -1, kFrameFeatures})
+  const at::Tensor before = features_before(batch), channels = channels_of(order);
+  const at::Tensor joint = joint_states(hidden, before, batch, order);
+  const at::Tensor features = before.view({joint.size(0), -1, kFrameFeatures})
                                   .index_select(1, channels)
                                   .view({-1, kFrameFeatures});
   const at::Tensor own =

@@ -240,6 +240,19 @@ TEST_F(Training, ADivergedRunStopsAndLeavesALoadableCheckpoint) {
     for (const float logit : one.logits) EXPECT_TRUE(std::isfinite(logit));
 }
 
+TEST_F(Training, BalancedClipsWeighTheSame) {
+  TrainOptions o = options("run");
+  o.config.train.balance = "style";
+  o.config.train.balance_share = 1;
+  const Corpus corpus = set_up_training(o).train;
+  ASSERT_EQ(corpus.clips.size(), 2u);
+  const auto weight = [&](std::size_t clip) {
+    return corpus.clips[clip].weight * static_cast<double>(corpus.clips[clip].ids.size());
+  };
+  EXPECT_NE(corpus.clips[0].ids.size(), corpus.clips[1].ids.size());
+  EXPECT_NEAR(weight(0), weight(1), 1e-12);
+}
+
 TEST_F(Training, FoldersThatAreTakenAreRefused) {
   TrainOptions o = options("run");
   o.config.train.steps = 1;
@@ -263,6 +276,9 @@ TEST_F(Training, FoldersThatAreTakenAreRefused) {
 TEST_F(Training, WhatDoesNotFitIsRefusedBeforeAnythingIsWritten) {
   TrainOptions o = options("run");
   o.config.train.conditions = {"stile"};
+  EXPECT_TRUE(contains(refusal<UsageError>([&] { train(o); }), "did you mean \"style\""));
+  o = options("run");
+  o.config.train.balance = "styl";
   EXPECT_TRUE(contains(refusal<UsageError>([&] { train(o); }), "did you mean \"style\""));
   o = options("run");
   o.config.model.n_head = 3;

@@ -32,6 +32,7 @@ std::vector<ModelDescription> variants() {
 
 // A stream of which the first frames lie before the window, as they do within a clip.
 constexpr std::int64_t kBefore = 3;
+constexpr std::int32_t kHidden = 1;  // the mask token
 
 Ids random_ids(const ModelDescription& d, std::uint64_t seed) {
   Random random(seed);
@@ -123,7 +124,7 @@ class Reference : public PlainTransformer {
   at::Tensor chosen_rows(const std::string& name, std::size_t k, const ModelInput& in,
                          std::size_t position) const {
     const auto which = static_cast<std::int64_t>(k);
-    const bool known = position > 0;
+    const bool known = position > 0 && in.token[position] != kHidden;
     const at::Tensor token =
         row(name + "chosen_embedding",
             known ? 1 + which * d_.shape.bins + in.token[position] - d_.shape.first_bin : 0);
@@ -184,6 +185,10 @@ class Reference : public PlainTransformer {
     };
     std::vector<double> values;
     for (std::int64_t c = 0; c < d_.shape.channels; ++c) {
+      if (bin(frame, c) < 0) {  // hidden
+        values.insert(values.end(), kFrameFeatures, 0);
+        continue;
+      }
       const double u = (2 * bin(frame, c) + 1) / static_cast<double>(d_.shape.bins) - 1;
       values.push_back(u);
       for (const int k : {1, 2, 4}) {
@@ -236,6 +241,27 @@ TEST(FrameTransformer, AgreesWithItsDefinitionInAnotherOrder) {
                                  reference.next(input, p, {1, 0})),
               1e-4)
         << p;
+  }
+}
+
+// What the augmentation joint_subset shows of a window.
+TEST(FrameTransformer, HiddenJointsAreSeenByNoOther) {
+  for (const ModelDescription& d : variants()) {
+    const auto model = random_model(d, 1);
+    const Reference reference(d, random_weights(d, 1));
+    Ids ids = random_ids(d, 2);
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      if (i % 7 < 3) ids[i] = kHidden;
+    const ModelInput input = window(d, ids);
+    const at::Tensor logits = logits_of(*model, stack({input}))[0];
+    EXPECT_TRUE(at::isfinite(logits).all().item<bool>());
+    for (std::size_t p = 1; p <= input.size(); ++p) {
+      if ((p - 1) % 7 < 3 || (p - 1) % 7 == 6) continue;  // asked for nothing
+      EXPECT_LT(
+          largest_difference(logits[static_cast<std::int64_t>(p) - 1], reference.next(input, p)),
+          1e-4)
+          << variant_name(d) << ", position " << p;
+    }
   }
 }
 
