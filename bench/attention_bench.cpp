@@ -61,7 +61,7 @@ void both(benchmark::State& state) {
 
 void sizes(benchmark::internal::Benchmark* one) {
   for (const std::int64_t own : {1, 0}) {
-    one->Args({8, 1024, 4, 48, own});  // configs/small.json
+    one->Args({8, 1024, 4, 48, own});  // configs/flat.json
     one->Args({4, 1024, 8, 64, own});  // the thesis's
     one->Args({8, 1024, 4, 32, own});  // the demo's
   }
