@@ -32,6 +32,7 @@ class Decoder {
   // the frames is forgotten; the prefix stays.
   virtual void push(std::int64_t sequence, std::int32_t id) = 0;
   // Logits (vocabulary) for the next token of each of these sequences, a bin; until the next call.
+  // Between two calls a sequence must get a token, or begin anew.
   virtual const std::vector<std::vector<float>>& logits(
       const std::vector<std::int64_t>& sequences) = 0;
 };
