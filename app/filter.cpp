@@ -33,9 +33,13 @@ void run(const CLI::App& app, FilterCommand& command) {
   page.motions.push_back({"original", clip, {}, {}, "The clip: " + command.clip});
   page.motions.push_back({"filtered", result.filtered, {}, {}, table.title()});
   page.tables.push_back(table);
+  Json settings = settings_json(command.config);
+  if (command.config.keep == "low") settings.erase("from_hz");
+  add_settings(settings, page);
   const std::vector<std::string> files = command.files.write(
       result.filtered, page, {{"original", clip}, {"filtered", result.filtered}}, kHannFrames,
       kHannHop);
+  table.note("settings: " + settings.dump());
   table.note("files: " + join(files, " "));
   print_table(table, command.files.json);
 }

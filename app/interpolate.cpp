@@ -6,7 +6,10 @@
 #include "app/commands.h"
 #include "app/options.h"
 #include "app/spectral_files.h"
+#include "common/error.h"
+#include "common/files.h"
 #include "spectral/clip_range.h"
+#include "spectral/interpolate/evaluation.h"
 
 namespace mocaplm {
 
@@ -16,30 +19,51 @@ struct InterpolateCommand {
   std::string a, b;
   InterpolateConfig config;
   SpectralFiles files{"interpolated", "", "", ""};
+  InterpolateEvaluation evaluation;
 };
 
-void run(InterpolateCommand& command) {
-  command.files.check({parse_clip_range(command.a).clip, parse_clip_range(command.b).clip});
-  const Clip a = read_clip_range(command.a, nullptr).clip;
-  const Clip b = read_clip_range(command.b, nullptr).clip;
-  const InterpolateResult result = interpolate(a, b, command.config);
-  Table table = interpolate_table(result, command.config);
+void evaluate(const CLI::App& app, InterpolateCommand& command) {
+  refuse_options_except(app,
+                        {"--evaluate", "--data", "--pairs", "--seed", "--seconds", "--split",
+                         "--json", "--fps", "--steps", "--rate", "--weight", "--from-hz", "--to-hz",
+                         "--stft-window", "--stft-hop", "--coefficients"},
+                        " does not go with --evaluate, which compares all targets and writes a "
+                        "table");
+  if (command.evaluation.dataset.empty())
+    throw UsageError("--evaluate draws pairs of a dataset's clips: give --data DATASET");
+  check_writable(command.files.json);
+  command.evaluation.config = command.config;
+  print_tables(evaluate_interpolate(command.evaluation), command.files.json);
+}
+
+Page page_of(const InterpolateCommand& command, const InterpolateResult& result,
+             const Table& table) {
   Page page;
   page.title = "A motion between two";
   page.motions.push_back({"original", result.original, {}, {}, "The first clip: " + command.a});
   page.motions.push_back({"interpolated", result.result, {}, {}, table.title()});
   page.motions.push_back({"target", result.target, {}, {}, "The second clip: " + command.b});
   page.tables.push_back(table);
-  const Json settings = settings_json(command.config);
-  for (const auto& item : settings.items())
-    page.settings.emplace_back(item.key(), item.value().is_string()
-                                               ? item.value().get<std::string>()
-                                               : item.value().dump());
+  add_settings(settings_json(command.config), page);
+  return page;
+}
+
+void run(const CLI::App& app, InterpolateCommand& command) {
+  if (!command.evaluation.label.empty()) return evaluate(app, command);
+  refuse_options(app, {"--data", "--pairs", "--seed", "--seconds", "--split"},
+                 " goes with --evaluate LABEL");
+  if (command.b.empty())
+    throw UsageError("give two motions, A and B, or --data DATASET --evaluate LABEL");
+  command.files.check({parse_clip_range(command.a).clip, parse_clip_range(command.b).clip});
+  const Clip a = read_clip_range(command.a, nullptr).clip;
+  const Clip b = read_clip_range(command.b, nullptr).clip;
+  const InterpolateResult result = interpolate(a, b, command.config);
+  Table table = interpolate_table(result, command.config);
   const std::vector<std::string> files = command.files.write(
-      result.result, page,
+      result.result, page_of(command, result, table),
       {{"original", result.original}, {"target", result.target}, {"interpolated", result.result}},
       command.config.stft_window, command.config.hop());
-  table.note("settings: " + settings.dump());
+  table.note("settings: " + settings_json(command.config).dump());
   table.note("files: " + join(files, " "));
   print_table(table, command.files.json);
 }
@@ -50,11 +74,9 @@ void add_interpolate(CLI::App& app) {
   CLI::App* command_line = app.add_subcommand(
       "interpolate", "change a motion until its spectral features come near another's");
   auto command = std::make_shared<InterpolateCommand>();
-  command_line
-      ->add_option("A", command->a, "motion file to begin with, FILE:from-to for a part (seconds)")
-      ->required();
-  command_line->add_option("B", command->b, "motion file whose features are the target")
-      ->required();
+  command_line->add_option("A", command->a,
+                           "motion file to begin with, FILE:from-to for a part (seconds)");
+  command_line->add_option("B", command->b, "motion file whose features are the target");
   command_line
       ->add_option("--out", command->files.out,
                    "stem of the .npz, .bvh and .html written, or one of these files")
@@ -65,7 +87,13 @@ void add_interpolate(CLI::App& app) {
                            "spectrograms of all three as an .svg, too");
   command_line->add_option("--json", command->files.json, "write the table as JSON, too");
   bind_options(*command_line, command->config);
-  command_line->callback([command] { run(*command); });
+  InterpolateEvaluation& evaluation = command->evaluation;
+  command_line->add_option("--evaluate", evaluation.label,
+                           "instead of A and B: similarities and roughness of pairs of --data's "
+                           "clips that differ in this label, for all targets");
+  command_line->add_option("--data", evaluation.dataset, "--evaluate: dataset folder");
+  bind_options(*command_line, evaluation.pairs);
+  command_line->callback([command_line, command] { run(*command_line, *command); });
 }
 
 }  // namespace mocaplm

@@ -88,6 +88,10 @@ void overlay_options(const CLI::App& app, Config& given, Config& config) {
 void refuse_options_except(const CLI::App& app, const std::vector<std::string>& allowed,
                            const std::string& why);
 
+// Throws UsageError for any of these `options` given: OPTION + `why`.
+void refuse_options(const CLI::App& app, const std::vector<std::string>& options,
+                    const std::string& why);
+
 // --device cpu|cuda|auto and --threads N.
 void add_machine_options(CLI::App& app, std::string& device, int& threads);
 

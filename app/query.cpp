@@ -7,6 +7,7 @@
 
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/spectral_files.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "spectral/evaluation.h"
@@ -50,14 +51,12 @@ void write_query_page(const QueryResult& result, const QueryCommand& command, co
                             match_clip(result, match),
                             {},
                             {},
-                            match.clip + " from " + format_fixed(match.from, 2) + " s, " + value});
+                            match.clip + " from " + format_fixed(match.from, 2) + " s, " + value +
+                                " to the query from " + format_fixed(match.query_from, 2) + " s"});
   }
   page.tables.push_back(table);
-  const Json settings = settings_json(command.options.config);
-  for (const auto& item : settings.items())
-    page.settings.emplace_back(item.key(), item.value().is_string()
-                                               ? item.value().get<std::string>()
-                                               : item.value().dump());
+  add_settings(settings_json(command.options.query), page);
+  add_settings(settings_json(command.options.config), page);
   write_page(command.page, page);
 }
 
@@ -67,7 +66,8 @@ void run(const CLI::App& app, QueryCommand& command) {
   check_writable(command.json);
   if (!evaluation.labels.empty()) {
     if (!options.clip.empty()) throw UsageError("--evaluate takes no CLIP: its clips are queries");
-    if (!command.page.empty()) throw UsageError("--page shows a query's matches, not --evaluate");
+    refuse_options(app, {"--page", "--show", "--per-clip"},
+                   " lists a query's matches and does not go with --evaluate");
     if (app.get_option("--feature")->count() > 0) evaluation.features = {options.config.feature};
     if (app.get_option("--metric")->count() > 0) evaluation.metrics = {options.query.metric};
     evaluation.dataset = options.dataset;
@@ -78,6 +78,7 @@ void run(const CLI::App& app, QueryCommand& command) {
     print_table(evaluate_query(evaluation), command.json);
     return;
   }
+  refuse_options(app, {"--features", "--metrics", "--split", "--against"}, " goes with --evaluate");
   if (options.clip.empty()) throw UsageError("give a CLIP to look for, or --evaluate LABEL");
   if (!command.page.empty()) {
     check_page_path(command.page);

@@ -127,6 +127,12 @@ void refuse_options_except(const CLI::App& app, const std::vector<std::string>& 
     refuse_options_except(*group, allowed, why);
 }
 
+void refuse_options(const CLI::App& app, const std::vector<std::string>& options,
+                    const std::string& why) {
+  for (const std::string& option : options)
+    if (app.get_option(option)->count() > 0) throw UsageError(option + why);
+}
+
 void print_table(const Table& table, const std::string& json_file) {
   std::fputs(table.text().c_str(), stdout);
   std::fflush(stdout);

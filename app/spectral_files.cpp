@@ -66,6 +66,13 @@ std::string coefficients(const NamedClips& clips) {
 
 }  // namespace
 
+void add_settings(const Json& settings, Page& page) {
+  for (const auto& [name, value] : settings.items()) {
+    if (value.is_array() && value.empty()) continue;
+    page.settings.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
+  }
+}
+
 void SpectralFiles::check(const std::vector<std::string>& inputs) const {
   std::error_code missing;
   for (const std::string& file : generated_files(out)) {
@@ -80,17 +87,18 @@ void SpectralFiles::check(const std::vector<std::string>& inputs) const {
 std::vector<std::string> SpectralFiles::write(const Clip& result, const Page& page,
                                               const NamedClips& clips, std::int64_t stft_window,
                                               std::int64_t hop) const {
+  // The pictures first: a motion may be too short for one, and then nothing is written.
+  std::vector<std::pair<std::string, std::string>> pictures;
+  if (!plot.empty()) pictures.emplace_back(plot, coefficients(clips));
+  if (!spectrogram.empty())
+    pictures.emplace_back(spectrogram, spectrograms(clips, stft_window, hop));
   std::vector<std::string> files = generated_files(out);
   for (const std::string& file : files)
     std::filesystem::path(file).extension() == ".html" ? write_page(file, page)
                                                        : write_clip(file, result);
-  if (!plot.empty()) {
-    write_file(plot, coefficients(clips));
-    files.push_back(plot);
-  }
-  if (!spectrogram.empty()) {
-    write_file(spectrogram, spectrograms(clips, stft_window, hop));
-    files.push_back(spectrogram);
+  for (const auto& [file, picture] : pictures) {
+    write_file(file, picture);
+    files.push_back(file);
   }
   return files;
 }

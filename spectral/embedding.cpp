@@ -5,8 +5,8 @@
 #include "common/error.h"
 #include "motion/skeleton.h"
 #include "numeric/components.h"
-#include "numeric/dct.h"
 #include "numeric/stft.h"
+#include "spectral/frequencies.h"
 
 namespace mocaplm {
 
@@ -15,7 +15,8 @@ namespace {
 constexpr Eigen::Index kMostFrames = 20000;
 using RowMajor = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
 
-// The first component's scores of each part (samples, channels), learned from all of them.
+// The first component's scores of each part (samples, channels), learned from all of them; not
+// centred, so that where nothing moves there is 0.
 std::vector<Eigen::VectorXd> first_scores(const std::vector<Eigen::MatrixXd>& parts) {
   Eigen::Index samples = 0;
   for (const Eigen::MatrixXd& part : parts) samples += part.rows();
@@ -27,7 +28,7 @@ std::vector<Eigen::VectorXd> first_scores(const std::vector<Eigen::MatrixXd>& pa
   }
   const Components first = principal_components(all, 1);
   std::vector<Eigen::VectorXd> scores;
-  for (const Eigen::MatrixXd& part : parts) scores.push_back(first.project(part).col(0));
+  for (const Eigen::MatrixXd& part : parts) scores.push_back(part * first.analysis.col(0));
   return scores;
 }
 
@@ -58,9 +59,15 @@ std::vector<Eigen::VectorXd> dct_embeddings(const std::vector<Series>& series) {
     throw DataError(in_file("DCT picture"), "the motion has " + std::to_string(n) +
                                                 " frames, more than the limit of " +
                                                 std::to_string(kMostFrames));
-  const Eigen::MatrixXd basis = dct_rows(n, 0, n);
-  std::vector<Eigen::MatrixXd> spectra;
-  for (const Series& one : series) spectra.push_back((basis * one.cast<double>()).cwiseAbs());
+  std::vector<Eigen::MatrixXd> courses, spectra;
+  for (const Series& one : series) {
+    courses.push_back(one.cast<double>());
+    spectra.emplace_back(n, one.cols());
+  }
+  visit_dct_rows(n, {0, n}, [&](Eigen::Index first, const Eigen::MatrixXd& basis) {
+    for (std::size_t i = 0; i < courses.size(); ++i)
+      spectra[i].middleRows(first, basis.rows()) = (basis * courses[i]).cwiseAbs();
+  });
   return first_scores(spectra);
 }
 

@@ -11,7 +11,8 @@ namespace mocaplm {
 
 // For each series (frames, channels) the first principal component of its STFT magnitudes:
 // (bins, STFT frames). Points in time and frequency are the samples, channels the variables, and
-// the component is the same for all series, so that their pictures can be compared. Throws
+// the component is the same for all series, so that their pictures can be compared; no movement is
+// 0. Throws
 // DataError when a series is shorter than the Hann window.
 std::vector<Eigen::MatrixXd> stft_embeddings(const std::vector<Series>& series,
                                              Eigen::Index stft_window, Eigen::Index hop);

@@ -136,6 +136,96 @@ std::vector<Json> chance_cells(const SpectralIndex& index, const Dataset& datase
   return cells;
 }
 
+std::vector<Json> scored_cells(const SpectralIndex& index, const Dataset& dataset,
+                               const Sides& sides, const QueryEvaluation& options,
+                               const std::string& metric) {
+  std::vector<LabelScore> scores(options.labels.size());
+  std::int64_t answered = 0, q = 0;
+  for (const auto& found : neighbours_of(index, dataset, sides, options, metric)) {
+    const Eigen::Index row = sides.queries[static_cast<std::size_t>(q++)];
+    if (found.empty()) continue;
+    ++answered;
+    for (std::size_t l = 0; l < scores.size(); ++l) {
+      std::vector<std::string> labels;
+      for (const Neighbour& one : found)
+        labels.push_back(label_of(dataset, index, one.row, options.labels[l]));
+      scores[l].add(label_of(dataset, index, row, options.labels[l]), labels);
+    }
+  }
+  if (answered == 0)
+    throw DataError(
+        in_file(options.dataset.string()),
+        "nothing is left to find beside the queries' own " + options.query.exclude_same + "s");
+  std::vector<Json> cells = {index.config().feature, metric, index.dimensions()};
+  for (const LabelScore& score : scores) {
+    const auto n = static_cast<double>(answered);
+    cells.insert(cells.end(),
+                 {100 * score.right / n, score.entropy / n, 100 * score.precision / n});
+  }
+  return cells;
+}
+
+// Queries whose value of the label none of the windows has that they may find: their vote cannot be
+// right.
+std::size_t lone_queries(const SpectralIndex& index, const Dataset& dataset, const Sides& sides,
+                         const QueryEvaluation& options, const std::string& label) {
+  std::vector<std::size_t> windows(dataset.entries.size());  // of each clip, that may be found
+  for (const Eigen::Index row : sides.findable) ++windows[index.window(row).clip];
+  const auto lone = [&](std::size_t clip) {
+    const Scope scope =
+        without_same(dataset, &dataset.entries[clip], options.query.exclude_same, sides.scope);
+    const std::string& truth = dataset.entries[clip].labels.at(label);
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      const std::size_t itself = i == clip ? 1 : 0;
+      if (scope[i] != 0 && windows[i] > itself && dataset.entries[i].labels.at(label) == truth)
+        return false;
+    }
+    return true;
+  };
+  std::map<std::size_t, bool> known;
+  std::size_t count = 0;
+  for (const Eigen::Index row : sides.queries) {
+    const std::size_t clip = index.window(row).clip;
+    if (known.count(clip) == 0) known[clip] = lone(clip);
+    count += known[clip];
+  }
+  return count;
+}
+
+Table empty_table(const QueryEvaluation& options) {
+  std::vector<std::string> columns = {"feature", "metric", "dimensions"};
+  std::vector<int> digits = {-1, -1, 0};
+  for (const std::string& label : options.labels) {
+    columns.insert(columns.end(), {label + " accuracy %", label + " entropy ban",
+                                   label + " precision@" + std::to_string(options.query.k) + " %"});
+    digits.insert(digits.end(), {1, 3, 1});
+  }
+  const std::string& excluded = options.query.exclude_same;
+  Table table("nearest windows: split " + options.split + " against " + options.against + ", " +
+                  (excluded == "none" ? "the same clip's too" : "without the same " + excluded),
+              columns);
+  table.digits(digits);
+  return table;
+}
+
+void add_notes(Table& table, const SpectralIndex& index, const Dataset& dataset, const Sides& sides,
+               const QueryEvaluation& options) {
+  table.note(std::to_string(sides.queries.size()) + " windows of " +
+             format_fixed(options.config.seconds(), 2) + " s against " +
+             std::to_string(sides.findable.size()) + ", k = " + std::to_string(options.query.k));
+  for (const std::string& label : options.labels)
+    if (const std::size_t lone = lone_queries(index, dataset, sides, options, label); lone > 0)
+      table.note(std::to_string(lone) + " of these windows have a " + label +
+                 " that nothing they may find has: they count as wrong");
+  if (index.clips_too_short() > 0)
+    table.note(std::to_string(index.clips_too_short()) + " of " +
+               std::to_string(index.clips().size()) + " clips are shorter than a window");
+  Json settings = settings_json(options.config);
+  settings.erase("feature");  // the rows name it
+  table.note("settings: " + settings.dump());
+  if (dataset.procedural) table.note("procedural dances: rules made them");
+}
+
 }  // namespace
 
 std::string vote(const std::vector<std::string>& labels) {
@@ -159,64 +249,20 @@ double entropy_in_bans(const std::vector<std::string>& labels) {
 Table evaluate_query(const QueryEvaluation& options) {
   const Dataset dataset = load_dataset(options.dataset);
   check(options, dataset);
-  std::vector<std::string> columns = {"feature", "metric", "dimensions"};
-  std::vector<int> digits = {-1, -1, 0};
-  for (const std::string& label : options.labels) {
-    columns.insert(columns.end(), {label + " accuracy %", label + " entropy ban",
-                                   label + " precision@" + std::to_string(options.query.k) + " %"});
-    digits.insert(digits.end(), {1, 3, 1});
-  }
-  const std::string& excluded = options.query.exclude_same;
-  Table table("nearest windows: split " + options.split + " against " + options.against + ", " +
-                  (excluded == "none" ? "the same clip's too" : "without the same " + excluded),
-              columns);
-  table.digits(digits);
+  Table table = empty_table(options);
   std::vector<Json> chance;
   for (const std::string& feature : options.features) {
     SpectralConfig config = options.config;
     config.feature = feature;
     const SpectralIndex index = index_of(dataset, config, options.keep, options.threads);
     const Sides sides = sides_of(index, dataset, options);
-    for (const std::string& metric : options.metrics) {
-      std::vector<LabelScore> scores(options.labels.size());
-      std::int64_t answered = 0, q = 0;
-      for (const auto& found : neighbours_of(index, dataset, sides, options, metric)) {
-        const Eigen::Index row = sides.queries[static_cast<std::size_t>(q++)];
-        if (found.empty()) continue;
-        ++answered;
-        for (std::size_t l = 0; l < scores.size(); ++l) {
-          std::vector<std::string> labels;
-          for (const Neighbour& one : found)
-            labels.push_back(label_of(dataset, index, one.row, options.labels[l]));
-          scores[l].add(label_of(dataset, index, row, options.labels[l]), labels);
-        }
-      }
-      if (answered == 0)
-        throw DataError(
-            in_file(options.dataset.string()),
-            "nothing is left to find beside the queries' own " + options.query.exclude_same + "s");
-      std::vector<Json> cells = {feature, metric, index.dimensions()};
-      for (const LabelScore& score : scores) {
-        const auto n = static_cast<double>(answered);
-        cells.insert(cells.end(),
-                     {100 * score.right / n, score.entropy / n, 100 * score.precision / n});
-      }
-      table.row(cells);
-    }
+    for (const std::string& metric : options.metrics)
+      table.row(scored_cells(index, dataset, sides, options, metric));
     if (!chance.empty()) continue;
     chance = chance_cells(index, dataset, sides, options);
-    table.note(std::to_string(sides.queries.size()) + " windows of " +
-               format_fixed(config.seconds(), 2) + " s against " +
-               std::to_string(sides.findable.size()) + ", k = " + std::to_string(options.query.k));
-    if (index.clips_too_short() > 0)
-      table.note(std::to_string(index.clips_too_short()) + " of " +
-                 std::to_string(index.clips().size()) + " clips are shorter than a window");
+    add_notes(table, index, dataset, sides, options);
   }
   table.row(chance);
-  Json settings = settings_json(options.config);
-  settings.erase("feature");  // the rows name it
-  table.note("settings: " + settings.dump());
-  if (dataset.procedural) table.note("procedural dances: rules made them");
   return table;
 }
 

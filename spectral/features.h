@@ -9,12 +9,15 @@
 
 namespace mocaplm {
 
-//   stft  |STFT| of each channel: Hann windows, one-sided   frames * (stft_window / 2 + 1) *
-//   channels dct   the first coefficients of the orthonormal DCT-II            coefficients *
-//   channels pca   components over time, the same for all channels (A.1)       coefficients *
-//   channels pose  the rotations themselves                                          window *
-//   channels
-// and, with config.reduce, the principal components of these.
+//   stft  magnitudes of Hann windows, one-sided: STFT frames * (stft_window / 2 + 1)
+//
+//   dct   the first `coefficients` of the orthonormal DCT-II
+//
+//   pca   the first `coefficients` components over time, the same for all channels (A.1)
+//
+//   pose  the rotations themselves: `window` numbers
+//
+// of each channel; with config.reduce, the principal components of all of them together.
 class FeatureMaker {
  public:
   // `channels` is 3 times the number of joints. Throws UsageError as check_config, and when

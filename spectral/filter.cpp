@@ -1,34 +1,30 @@
 #include "spectral/filter.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/error.h"
 #include "common/text.h"
-#include "numeric/dct.h"
+#include "spectral/frequencies.h"
 #include "spectral/measures.h"
+#include "spectral/unwound.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr Eigen::Index kRowsAtOnce = 256;
-
-void find_range(const Clip& clip, const FilterConfig& config, FilterResult& result) {
-  const double step = clip.fps / (2 * static_cast<double>(clip.frames()));
+RowRange find_range(const Clip& clip, const FilterConfig& config) {
+  const double step = dct_step(clip.fps, clip.frames());
   const bool band = config.keep == "band";
   if (band && config.from_hz >= config.to_hz)
     throw UsageError("from_hz is " + format_number(config.from_hz) + ", to_hz " +
                      format_number(config.to_hz) + ": the range must end above its beginning");
-  // The small margin keeps a coefficient that lies on the border up to rounding.
-  const double low = band ? std::ceil(config.from_hz / step - 1e-9) : 1;
-  const double high = std::floor(config.to_hz / step + 1e-9) + 1;
-  result.first = static_cast<Eigen::Index>(std::max(low, 1.0));
-  result.last = static_cast<Eigen::Index>(std::min(high, static_cast<double>(clip.frames())));
-  if (result.first >= result.last)
+  RowRange range = rows_within(band ? config.from_hz : 0, config.to_hz, step, clip.frames());
+  range.first = std::max<Eigen::Index>(range.first, 1);
+  if (range.count() <= 0)
     throw UsageError("no frequency of this clip lies in the range: its " +
                      std::to_string(clip.frames()) + " frames have multiples of " +
                      format_fixed(step, 3) + " Hz up to " + format_number(clip.fps / 2));
+  return range;
 }
 
 }  // namespace
@@ -37,7 +33,9 @@ FilterResult filter_clip(const Clip& clip, const FilterConfig& config) {
   if (clip.frames() < 2)
     throw DataError(in_file(clip.name), "has one frame: there is no movement to filter");
   FilterResult result;
-  find_range(clip, config, result);
+  const RowRange range = find_range(clip, config);
+  result.first = range.first;
+  result.last = range.last;
   result.filtered = unwound(clip);
   Poses& poses = result.filtered.poses;
   Translations& trans = result.filtered.trans;
@@ -47,13 +45,12 @@ FilterResult filter_clip(const Clip& clip, const FilterConfig& config) {
   poses.rowwise() = pose_mean;
   trans.rowwise() = trans_mean;
   double kept = 0;
-  for (Eigen::Index k = result.first; k < result.last; k += kRowsAtOnce) {
-    const Eigen::MatrixXd rows = dct_rows(clip.frames(), k, std::min(kRowsAtOnce, result.last - k));
-    const Eigen::MatrixXd coefficients = rows * pose;
+  visit_dct_rows(clip.frames(), range, [&](Eigen::Index, const Eigen::MatrixXd& basis) {
+    const Eigen::MatrixXd coefficients = basis * pose;
     kept += coefficients.squaredNorm();
-    poses += rows.transpose() * coefficients;
-    trans += rows.transpose() * (rows * path);
-  }
+    poses += basis.transpose() * coefficients;
+    trans += basis.transpose() * (basis * path);
+  });
   const double all = pose.squaredNorm();
   result.kept_share = all > 1e-20 ? kept / all : 1;
   result.filtered = wound(result.filtered);

@@ -9,6 +9,10 @@ namespace mocaplm {
 
 namespace {
 
+// What single precision may take from a row's square or its coordinates' squares. Without it a row
+// that lies nearly inside the sketch's space would get a length of 0 where it has one of 0.001.
+constexpr float kSquareRounding = 3e-6f;
+
 // The JSON at the file's end; throws DataError unless the file is an index.
 Json read_head(const MappedFile& file, const std::string& place, std::size_t& json_at) {
   std::uint64_t head[2] = {0, 0};
@@ -37,7 +41,7 @@ SpectralIndex::SpectralIndex(const std::filesystem::path& path)
   JsonObject settings = json.object("settings");
   read_settings(config_, settings);
   settings.finish();
-  n_ = json.integer("windows", 0, std::int64_t{1} << 40);
+  n_ = json.integer("windows", 0, static_cast<std::int64_t>(file_->size()));
   d_ = json.integer("dimensions", 1, std::int64_t{1} << 24);
   s_ = json.integer("sketch", 0, kSketch);
   clips_ = json.texts("clips");
@@ -54,6 +58,7 @@ SpectralIndex::SpectralIndex(const std::filesystem::path& path)
                     "will be built again");
   rows_ = kIndexRows;
   sketch_ = layout.sketch;
+  coarse_ = layout.coarse;
   lengths_ = layout.lengths;
   windows_ = layout.windows;
   std::size_t at = layout.learned;
@@ -92,10 +97,20 @@ Series make_sketch(const Series& rows, const Eigen::MatrixXf& basis) {
   Series sketch(rows.rows(), basis.cols() + 1);
   sketch.leftCols(basis.cols()).noalias() = rows * basis;
   sketch.rightCols(1) =
-      (rows.rowwise().squaredNorm() - sketch.leftCols(basis.cols()).rowwise().squaredNorm())
-          .cwiseMax(0)
-          .cwiseSqrt();
+      ((rows.rowwise().squaredNorm() - sketch.leftCols(basis.cols()).rowwise().squaredNorm())
+           .cwiseMax(0)
+           .array() +
+       kSquareRounding)
+          .sqrt()
+          .matrix();
   return sketch;
+}
+
+Series make_coarse(const Series& sketch) {
+  Series coarse(sketch.rows(), kCoarse);
+  coarse.leftCols(kCoarse - 1) = sketch.leftCols(kCoarse - 1);
+  coarse.rightCols(1) = sketch.rightCols(sketch.cols() - kCoarse + 1).rowwise().norm();
+  return coarse;
 }
 
 }  // namespace mocaplm

@@ -1,9 +1,10 @@
 // An index: the feature rows of all windows of a dataset, on disk and mapped into memory.
 //
-//   bytes 0..31   "mocaplm spectral index 1\n", padded with zeros
+//   bytes 0..31   "mocaplm spectral index 2\n", padded with zeros
 //         32..39  where the JSON at the end begins, 40..47 how many bytes it has (little endian)
 //         4096    rows     (n, d) f32, each of length 1 (or 0)
 //                 sketch   (n, s) f32: s - 1 coordinates and the length of what they leave out
+//                 coarse   (n, 16) f32: 15 of these and the length, where there are sketches
 //                 lengths  (n)    f32: of the rows as they were
 //                 windows  (n)    two u32: clip, first frame at the config's rate
 //                 what the features learned (f32), the sketch's basis (d, s - 1)
@@ -11,7 +12,9 @@
 //
 // The sketch of a row x is (B'x, |x - B B'x|) for orthonormal columns B, so that for unit vectors
 // x'y <= sketch(x)'sketch(y): by Cauchy and Schwarz what is left out adds at most the product of
-// its lengths. A search reads the sketches and compares in full only what they cannot rule out.
+// its lengths, which are rounded up. A coarse sketch is the same with fewer coordinates: the first
+// are the leading components, which hold most. A search reads all coarse sketches, the sketches of
+// what these cannot rule out, and compares in full what is left.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,6 +32,7 @@ namespace mocaplm {
 // Coordinates of a sketch; rows of up to twice as many dimensions have none and are compared
 // directly.
 constexpr Eigen::Index kSketch = 64;
+constexpr Eigen::Index kCoarse = 16;  // of a coarse one
 
 struct MotionWindow {
   std::uint32_t clip = 0, first = 0;
@@ -46,6 +50,8 @@ class SpectralIndex {
   Eigen::Index sketch_dimensions() const { return s_; }
   Eigen::Map<const Series> rows() const { return {floats(rows_), n_, d_}; }
   Eigen::Map<const Series> sketch() const { return {floats(sketch_), n_, s_}; }
+  // (n, kCoarse); empty where there are no sketches.
+  Eigen::Map<const Series> coarse() const { return {floats(coarse_), n_, s_ > 0 ? kCoarse : 0}; }
   Eigen::Map<const Eigen::VectorXf> lengths() const { return {floats(lengths_), n_}; }
   MotionWindow window(Eigen::Index row) const;
   // Names of the dataset's clips, in its order; those without windows, too.
@@ -65,7 +71,7 @@ class SpectralIndex {
   SpectralConfig config_;
   std::shared_ptr<FeatureMaker> features_;
   Eigen::Index n_ = 0, d_ = 0, s_ = 0;
-  std::size_t rows_ = 0, sketch_ = 0, lengths_ = 0, windows_ = 0;
+  std::size_t rows_ = 0, sketch_ = 0, coarse_ = 0, lengths_ = 0, windows_ = 0;
   Eigen::MatrixXf basis_;  // (d, s - 1)
   std::vector<std::string> clips_;
   std::string fingerprint_;
@@ -74,11 +80,13 @@ class SpectralIndex {
 
 // Divides each row by its length, which is returned (n); rows of zeros stay.
 Eigen::VectorXf normalise_rows(Series& rows);
-// (B'x, |x - B B'x|) of each row.
+// (B'x, |x - B B'x|) of each unit row, the length rounded up by more than single precision loses.
 Series make_sketch(const Series& rows, const Eigen::MatrixXf& basis);
+// The coarse sketches (n, kCoarse) of sketches (n, kSketch).
+Series make_coarse(const Series& sketch);
 
 // Writes an index clip by clip. The rows go to the disk at once; the sketches stay in memory until
-// the end.
+// the end (320 bytes a window).
 class IndexWriter {
  public:
   // `sample`: windows of some clips, for what features and sketch learn. `path` is written as it is

@@ -52,7 +52,7 @@ struct IndexWriter::State {
   FeatureMaker features;
   Eigen::MatrixXf basis;  // of the sketch
   std::ofstream out;
-  std::vector<float> sketch, lengths;
+  std::vector<float> sketch, coarse, lengths;
   std::vector<MotionWindow> windows;
   std::vector<std::string> clips;
   std::int64_t too_short = 0;
@@ -97,7 +97,9 @@ void IndexWriter::add(const std::string& clip, const std::vector<Eigen::Index>& 
     state.windows.push_back({number, static_cast<std::uint32_t>(first)});
   if (state.basis.size() > 0) {
     const Series sketch = make_sketch(rows, state.basis);
+    const Series coarse = make_coarse(sketch);
     state.sketch.insert(state.sketch.end(), sketch.data(), sketch.data() + sketch.size());
+    state.coarse.insert(state.coarse.end(), coarse.data(), coarse.data() + coarse.size());
   }
   state.write(rows);
   state.check();
@@ -106,6 +108,7 @@ void IndexWriter::add(const std::string& clip, const std::vector<Eigen::Index>& 
 void IndexWriter::finish(const std::string& fingerprint) {
   State& state = *state_;
   state.write(state.sketch.data(), sizeof(float) * state.sketch.size());
+  state.write(state.coarse.data(), sizeof(float) * state.coarse.size());
   state.write(state.lengths.data(), sizeof(float) * state.lengths.size());
   state.write(state.windows.data(), sizeof(MotionWindow) * state.windows.size());
   const FeatureMaker::Learned& learned = state.features.learned();
@@ -149,7 +152,7 @@ std::string dataset_fingerprint(const Dataset& dataset) {
 }
 
 std::string config_fingerprint(const SpectralConfig& config) {
-  return hex(stable_hash(settings_json(config).dump()));
+  return hex(stable_hash(kIndexMagic + settings_json(config).dump()));
 }
 
 namespace {

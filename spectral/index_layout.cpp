@@ -22,7 +22,8 @@ IndexLayout index_layout(const SpectralConfig& config, Eigen::Index raw, Eigen::
     return at;
   };
   layout.sketch = floats(n, d);
-  layout.lengths = floats(n, s);
+  layout.coarse = floats(n, s);
+  layout.lengths = floats(n, s > 0 ? kCoarse : 0);
   layout.windows = floats(n, 1);
   layout.learned = floats(n, 2);
   floats(layout.time_frames, 1 + layout.time_components);

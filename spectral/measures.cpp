@@ -2,28 +2,20 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
+#include <limits>
 #include <vector>
 
-#include "motion/resample.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
-#include "numeric/dct.h"
+#include "spectral/frequencies.h"
+#include "spectral/unwound.h"
 
 namespace mocaplm {
 
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kManyTurns = 64 * kPi;
-constexpr Eigen::Index kRowsAtOnce = 256;
-
-void shorten_first_frame(Clip& clip) {
-  for (int j = 0; j < kJoints; ++j) {
-    auto cell = clip.poses.row(0).segment<3>(3 * j);
-    cell = axis_angle_from_quaternion(quaternion_from_axis_angle(cell.transpose())).transpose();
-  }
-}
+constexpr double kStill = 1e-20;  // squared radians: rounding, no movement
 
 }  // namespace
 
@@ -50,27 +42,14 @@ double fast_share(const Clip& clip, double hertz) {
   const Eigen::Index n = smooth.frames();
   const Eigen::MatrixXd moving = smooth.poses.rowwise() - smooth.poses.colwise().mean();
   const double all = moving.squaredNorm();
-  if (all < 1e-20) return 0;
-  const double step = smooth.fps / (2 * static_cast<double>(n));
-  const auto slow = std::min(n, static_cast<Eigen::Index>(std::ceil(hertz / step)));
-  double kept = 0;
-  for (Eigen::Index first = 1; first < slow; first += kRowsAtOnce)
-    kept += (dct_rows(n, first, std::min(kRowsAtOnce, slow - first)) * moving).squaredNorm();
-  return std::clamp(1 - kept / all, 0.0, 1.0);
-}
-
-Clip unwound(const Clip& clip) {
-  Clip out = clip;
-  shorten_first_frame(out);
-  keep_continuous(out, kManyTurns);
-  return out;
-}
-
-Clip wound(const Clip& clip) {
-  Clip out = clip;
-  shorten_first_frame(out);
-  keep_continuous(out, kPi);
-  return out;
+  if (all < kStill) return 0;
+  const RowRange fast =
+      rows_within(hertz, std::numeric_limits<double>::infinity(), dct_step(smooth.fps, n), n);
+  double slow = 0;
+  visit_dct_rows(n, {1, fast.first}, [&](Eigen::Index, const Eigen::MatrixXd& basis) {
+    slow += (basis * moving).squaredNorm();
+  });
+  return std::clamp(1 - slow / all, 0.0, 1.0);
 }
 
 AngleApart angle_apart(const Clip& a, const Clip& b) {

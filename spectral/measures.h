@@ -1,4 +1,4 @@
-// How smooth a motion is.
+// How smooth a motion is, and how far two lie apart.
 #pragma once
 
 #include "motion/clip.h"
@@ -12,12 +12,6 @@ double roughness(const Clip& clip);
 // Of the rotations' movement (their courses without the mean), the share at or above `hertz`: DCT
 // coefficients k with k * fps / (2 frames) >= hertz. 0 where nothing moves.
 double fast_share(const Clip& clip, double hertz = 8);
-
-// The clip with each joint's rotation vectors running on without jumps, as many turns as it takes,
-// from the shortest one in the first frame; so that a course may be transformed.
-Clip unwound(const Clip& clip);
-// The same rotations with components within [-pi, pi] where possible, as files hold them.
-Clip wound(const Clip& clip);
 
 // Angle between the rotations of two clips of the same length, degrees: mean and most over frames
 // and joints.

@@ -147,29 +147,30 @@ QueryResult run_query(const QueryOptions& options) {
 Table query_table(const QueryResult& result, const QueryOptions& options) {
   const bool cosine = options.query.metric == "cosine";
   const std::vector<std::string> labels = result.dataset.label_names();
-  std::vector<std::string> columns = {"clip", "rank", "from s", "to s", "like query from s"};
+  std::vector<std::string> columns = {"clip",   "rank", cosine ? "cosine similarity" : "distance",
+                                      "from s", "to s", "query from s"};
   columns.insert(columns.end(), labels.begin(), labels.end());
-  columns.push_back(cosine ? "cosine similarity" : "distance");
   Table table("like " + options.clip + ", by " + options.config.feature, columns);
-  std::vector<int> digits = {-1, 0, 2, 2, 2};
+  std::vector<int> digits = {-1, 0, 4, 2, 2, 2};
   digits.insert(digits.end(), labels.size(), -1);
-  digits.push_back(4);
   table.digits(digits);
   int rank = 0;
   for (const QueryMatch& match : result.matches) {
-    std::vector<Json> cells = {match.clip, ++rank, match.from, match.to, match.query_from};
+    std::vector<Json> cells = {
+        match.clip, ++rank,   cosine ? match.neighbour.similarity : match.neighbour.distance,
+        match.from, match.to, match.query_from};
     for (const std::string& label : labels) {
       const Labels& own = result.dataset.entries[match.entry].labels;
       const auto found = own.find(label);
       cells.push_back(found == own.end() ? Json("") : Json(found->second));
     }
-    cells.push_back(cosine ? match.neighbour.similarity : match.neighbour.distance);
     table.row(cells);
   }
   for (const std::string& note : result.notes) table.note(note);
   table.note("searched for " + std::to_string(result.windows) + " windows of " +
              format_fixed(result.seconds, 2) + " s among " + std::to_string(result.searched) +
              ", " + format_fixed(result.milliseconds, 2) + " ms each");
+  table.note("settings: " + settings_json(options.config).dump());
   if (result.dataset.procedural) table.note("procedural dances: rules made them");
   return table;
 }

@@ -63,7 +63,7 @@ struct QueryResult {
 // and as index_of does.
 QueryResult run_query(const QueryOptions& options);
 
-// Rank, clip, time, labels, similarity.
+// Clip, rank, similarity, time, labels.
 Table query_table(const QueryResult& result, const QueryOptions& options);
 
 // A match's motion at its clip's own rate.

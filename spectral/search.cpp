@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <queue>
 
 #include "common/error.h"
@@ -12,7 +13,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr Eigen::Index kBlock = 8192;  // rows that one worker takes at once: 2 MiB of sketches
+constexpr Eigen::Index kBlock = 8192;  // rows that one worker takes at once
 constexpr std::size_t kRefined = 512;  // rows compared in full before the bound is looked at again
 constexpr std::size_t kPart = 128;     // of them, by one worker
 constexpr Eigen::Index kQueries = 64;  // of many, in one product
@@ -101,7 +102,11 @@ class Search {
     Series row = Eigen::Map<const Series>(query, 1, index.dimensions());
     scorer_ = {measure, static_cast<double>(normalise_rows(row)[0])};
     unit_ = row.row(0).transpose().cast<double>();
-    key_ = (index.sketch_dimensions() > 0 ? index.sketch_of(row) : row).row(0).transpose();
+    key_ = row.row(0).transpose();
+    if (index.sketch_dimensions() == 0) return;
+    const Series sketch = index.sketch_of(row);
+    sketch_ = sketch.row(0).transpose();
+    key_ = make_coarse(sketch).row(0).transpose();
   }
 
   std::vector<Neighbour> run(SearchCounts* counts) {
@@ -117,8 +122,10 @@ class Search {
     std::size_t at = 0;
     for (; at < left.size() && left[at].score >= best_.least(); at += kRefined)
       compare(rows.data() + at, std::min(kRefined, rows.size() - at));
-    if (counts != nullptr)
+    if (counts != nullptr) {
+      counts->sketched = sketched_;
       counts->compared = static_cast<std::int64_t>(first.size() + std::min(at, left.size()));
+    }
     std::vector<Neighbour> found;
     for (const Ranked& one : best_.sorted())
       found.push_back(neighbour(index_, unit_, scorer_.length, one.row));
@@ -136,20 +143,17 @@ class Search {
     parallel_for(blocks(), threads_, [&](std::size_t b) {
       const Eigen::Index first = static_cast<Eigen::Index>(b) * kBlock;
       const Eigen::Index count = std::min(kBlock, index_.size() - first);
-      const auto keys = index_.sketch_dimensions() > 0 ? index_.sketch() : index_.rows();
+      const auto keys = sketch_.size() > 0 ? index_.coarse() : index_.rows();
       auto bounds = bounds_.segment(first, count);
       bounds.noalias() = keys.middleRows(first, count) * key_;
-      bounds.array() += kRounding;
-      if (scorer_.measure == Measure::euclidean) {
-        const auto lengths = index_.lengths().segment(first, count).array();
-        const auto length = static_cast<float>(scorer_.length);
-        // The lengths' rounding counts, too: relative to both squares.
-        bounds.array() = -((1 - kRounding) * (length * length + lengths.square()) -
-                           2 * length * lengths * bounds.array());
-      }
+      const auto lengths = index_.lengths();
+      for (Eigen::Index i = 0; i < count; ++i) bounds[i] = bound(bounds[i], lengths[first + i]);
+      double least = best[b].least();
       for (Eigen::Index i = 0; i < count; ++i)
-        if (bounds[i] > best[b].least() && in_scope(index_, scope_, first + i))
+        if (bounds[i] > least && in_scope(index_, scope_, first + i)) {
           best[b].add({bounds[i], first + i});
+          least = best[b].least();
+        }
     });
     Best all(k_);
     for (Best& one : best)
@@ -157,19 +161,39 @@ class Search {
     for (const Ranked& ranked : all.sorted()) promising_.push_back(ranked.row);
   }
 
-  // Rows whose bound reaches what is needed, but for those already compared (sorted).
+  // From the product of the sketches of two unit vectors: what the row's score cannot exceed.
+  float bound(float product, float row_length) const {
+    product += kRounding;
+    if (scorer_.measure == Measure::cosine) return product;
+    const auto length = static_cast<float>(scorer_.length);
+    // The lengths' rounding counts, too: relative to both squares.
+    return 2 * length * row_length * product -
+           (1 - kRounding) * (length * length + row_length * row_length);
+  }
+
+  float fine_bound(Eigen::Index row) const {
+    if (sketch_.size() == 0) return bounds_[row];
+    return bound(index_.sketch().row(row).dot(sketch_), index_.lengths()[row]);
+  }
+
+  // Rows whose bounds reach what is needed, but for those already compared (sorted).
   std::vector<Ranked> candidates(const std::vector<Eigen::Index>& compared) {
     if (!best_.full()) return {};  // all of the scope have been compared
     const auto least = static_cast<float>(best_.least());
     std::vector<std::vector<Ranked>> parts(blocks());
+    std::vector<std::int64_t> sketched(blocks());
     parallel_for(blocks(), threads_, [&](std::size_t b) {
       const Eigen::Index first = static_cast<Eigen::Index>(b) * kBlock;
       const Eigen::Index last = std::min(first + kBlock, index_.size());
-      for (Eigen::Index row = first; row < last; ++row)
-        if (bounds_[row] >= least && in_scope(index_, scope_, row) &&
-            !std::binary_search(compared.begin(), compared.end(), row))
-          parts[b].push_back({bounds_[row], row});
+      for (Eigen::Index row = first; row < last; ++row) {
+        if (bounds_[row] < least || !in_scope(index_, scope_, row) ||
+            std::binary_search(compared.begin(), compared.end(), row))
+          continue;
+        ++sketched[b];
+        if (const float fine = fine_bound(row); fine >= least) parts[b].push_back({fine, row});
+      }
     });
+    sketched_ = std::accumulate(sketched.begin(), sketched.end(), std::int64_t{0});
     std::vector<Ranked> all;
     for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
     return all;
@@ -192,7 +216,9 @@ class Search {
   Best best_;
   Scorer scorer_{Measure::cosine, 0};
   Eigen::VectorXd unit_;          // the query, of length 1
-  Eigen::VectorXf key_, bounds_;  // what meets the sketches (or rows), and what that gives
+  Eigen::VectorXf key_, bounds_;  // what meets the coarse sketches (or rows), and what that gives
+  Eigen::VectorXf sketch_;        // of the query; empty where there are none
+  std::int64_t sketched_ = 0;
   std::vector<Eigen::Index> promising_;
 };
 

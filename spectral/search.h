@@ -23,14 +23,15 @@ Measure parse_measure(const std::string& name);
 using Scope = std::vector<char>;
 
 struct SearchCounts {
+  std::int64_t sketched = 0;  // rows that the coarse sketches could not rule out
   std::int64_t compared = 0;  // rows that were compared in full
 };
 
 // The k best rows for a query of index.dimensions() features, best first, of equal ones the first
-// in the index; fewer where the scope has fewer. The sketches (or the rows where there are none)
-// give a bound for each row; those whose bound is not below the k-th best so far are compared in
-// full, in double precision (filter and refine; Seidl and Kriegel 1998). `threads`: 0 for all
-// cores.
+// in the index; fewer where the scope has fewer. The coarse sketches (or the rows where there are
+// none) give a bound for each row, the sketches a lower one for those that it leaves; rows whose
+// bound is not below the k-th best so far are compared in full, in double precision (filter and
+// refine; Seidl and Kriegel 1998). `threads`: 0 for all cores.
 std::vector<Neighbour> nearest(const SpectralIndex& index, const float* query, Eigen::Index k,
                                Measure measure, const Scope& scope = {}, std::int64_t threads = 0,
                                SearchCounts* counts = nullptr);

@@ -4,17 +4,10 @@
 
 #include "common/text.h"
 #include "motion/resample.h"
-#include "motion/rotation.h"
 #include "motion/skeleton.h"
+#include "spectral/unwound.h"
 
 namespace mocaplm {
-
-namespace {
-
-// Room for two whole turns, more than a window holds.
-constexpr double kWound = 4 * 3.14159265358979323846;
-
-}  // namespace
 
 std::vector<Eigen::Index> window_starts(Eigen::Index frames, Eigen::Index window,
                                         Eigen::Index stride) {
@@ -41,12 +34,7 @@ Clip at_window_rate(const Clip& clip, const SpectralConfig& config) {
 
 Series window_series(const Clip& clip, Eigen::Index first, Eigen::Index count,
                      const std::vector<int>& joints) {
-  Clip part = slice(clip, first, count);
-  for (int j = 0; j < kJoints; ++j) {
-    auto cell = part.poses.row(0).segment<3>(3 * j);
-    cell = axis_angle_from_quaternion(quaternion_from_axis_angle(cell.transpose())).transpose();
-  }
-  keep_continuous(part, kWound);
+  const Clip part = unwound(slice(clip, first, count));
   Series series(count, 3 * static_cast<Eigen::Index>(joints.size()));
   for (std::size_t i = 0; i < joints.size(); ++i)
     series.middleCols<3>(3 * static_cast<Eigen::Index>(i)) =

@@ -6,25 +6,31 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "common/error.h"
+#include "common/random.h"
 #include "common/text.h"
 #include "motion/resample.h"
-#include "motion/rotation.h"
-#include "motion/skeleton.h"
 #include "numeric/components.h"
 #include "numeric/dct.h"
 #include "numeric/stft.h"
+#include "spectral/frequencies.h"
 #include "spectral/measures.h"
+#include "spectral/unwound.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr double kManyTurns = 201.0619298297467;  // 64 pi
-constexpr double kLeastMagnitude = 1e-12;         // squared: the root's slope at 0 has no end
+constexpr double kLeastMagnitude = 1e-12;  // squared: the root's slope at 0 has no end
+// Radians added to the courses whose components are sought: joints that never move would have
+// components of the same strength, 0, which have no slope.
+constexpr double kDither = 1e-9;
+// Of a step's rate once a step has lowered the loss, up to the rate asked for.
+constexpr double kRecovery = 1.2;
 using RowMajor = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
-using FeatureFunction = std::function<torch::Tensor(const torch::Tensor&)>;  // of x (T, 72)
+using TensorFunction = std::function<torch::Tensor(const torch::Tensor&)>;  // of x (T, 72)
 
 torch::Tensor tensor_of(const Eigen::Ref<const RowMajor>& matrix) {
   const RowMajor plain = matrix;
@@ -33,44 +39,28 @@ torch::Tensor tensor_of(const Eigen::Ref<const RowMajor>& matrix) {
       .clone();
 }
 
-// B's vectors run on from those nearest to A's first ones, so that the way between them is short.
-Clip unwound_beside(const Clip& clip, const Clip& a) {
-  Clip out = clip;
-  for (int j = 0; j < kJoints; ++j) {
-    const Eigen::Vector3d first = clip.poses.row(0).segment<3>(3 * j).transpose();
-    const Eigen::Vector3d beside = a.poses.row(0).segment<3>(3 * j).transpose();
-    out.poses.row(0).segment<3>(3 * j) =
-        continuous_axis_angle(first, beside, kManyTurns).transpose();
-  }
-  keep_continuous(out, kManyTurns);
-  return out;
-}
-
-// Rows of a transform whose frequency k * step lies in the range.
-std::pair<Eigen::Index, Eigen::Index> rows_in_range(double step, Eigen::Index rows,
-                                                    const InterpolateConfig& config) {
-  const double first = std::ceil(config.from_hz / step - 1e-9);
-  const double last = std::min(std::floor(config.to_hz / step + 1e-9) + 1, double(rows));
-  if (!(first < last))
+RowRange rows_in_range(double step, Eigen::Index rows, const InterpolateConfig& config) {
+  const RowRange range = rows_within(config.from_hz, config.to_hz, step, rows);
+  if (range.count() <= 0)
     throw UsageError("no frequency of the " + config.target + " lies from from_hz " +
                      format_number(config.from_hz) + " to to_hz " + format_number(config.to_hz) +
                      ": it has multiples of " + format_fixed(step, 3) + " Hz");
-  return {static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first)};
+  return range;
 }
 
-FeatureFunction dct_function(Eigen::Index frames, const InterpolateConfig& config) {
-  const auto [first, count] =
-      rows_in_range(config.fps / (2 * static_cast<double>(frames)), frames, config);
-  const torch::Tensor basis = tensor_of(dct_rows(frames, first, count));
+TensorFunction dct_function(Eigen::Index frames, const InterpolateConfig& config) {
+  const RowRange range = rows_in_range(dct_step(config.fps, frames), frames, config);
+  const torch::Tensor basis = tensor_of(dct_rows(frames, range.first, range.count()));
   return [basis](const torch::Tensor& x) { return basis.matmul(x); };
 }
 
-FeatureFunction stft_function(const InterpolateConfig& config) {
+TensorFunction stft_function(const InterpolateConfig& config) {
   const Eigen::Index n = config.stft_window, bins = stft_bins(n), hop = config.hop();
-  const auto [first, count] = rows_in_range(config.fps / static_cast<double>(n), bins, config);
+  const RowRange range = rows_in_range(config.fps / static_cast<double>(n), bins, config);
+  const Eigen::Index count = range.count();
   Eigen::MatrixXd basis(2 * count, n);
   const Eigen::MatrixXd all = stft_basis(n);
-  basis << all.middleRows(first, count), all.middleRows(bins + first, count);
+  basis << all.middleRows(range.first, count), all.middleRows(bins + range.first, count);
   // A sample's squares in all frames and bins add to at most n times its windows' squares.
   const Eigen::VectorXd window = hann_window(n);
   double most = 0;
@@ -90,10 +80,14 @@ FeatureFunction stft_function(const InterpolateConfig& config) {
   };
 }
 
-FeatureFunction pca_function(const Clip& a, const Clip& b, const InterpolateConfig& config) {
-  if (config.coefficients > a.frames())
+void check_coefficients(const InterpolateConfig& config, Eigen::Index most, const char* what) {
+  if (config.coefficients > most)
     throw UsageError("coefficients is " + std::to_string(config.coefficients) +
-                     ", more than the motions' " + std::to_string(a.frames()) + " frames");
+                     ", more than the motions' " + std::to_string(most) + " " + what);
+}
+
+TensorFunction pca_function(const Clip& a, const Clip& b, const InterpolateConfig& config) {
+  check_coefficients(config, a.frames(), "frames");
   Eigen::MatrixXd courses(144, a.frames());
   courses << a.poses.transpose(), b.poses.transpose();
   const Components components = principal_components(courses, config.coefficients);
@@ -102,14 +96,62 @@ FeatureFunction pca_function(const Clip& a, const Clip& b, const InterpolateConf
   return [basis, mean](const torch::Tensor& x) { return basis.matmul(x - mean); };
 }
 
-FeatureFunction feature_function(const Clip& a, const Clip& b, const InterpolateConfig& config) {
+// The courses are the samples, time the dimensions: courses = U S V', and U S are their scores.
+TensorFunction own_pca_function(const Clip& a, const InterpolateConfig& config) {
+  check_coefficients(config, a.frames(), "frames");
+  check_coefficients(config, a.poses.cols(), "courses");
+  Random random(1);
+  RowMajor noise(a.poses.cols(), a.frames());
+  for (Eigen::Index i = 0; i < noise.size(); ++i) noise.data()[i] = kDither * random.normal();
+  const torch::Tensor dither = tensor_of(noise);
+  const std::int64_t count = config.coefficients;
+  const auto parts = [dither, count](const torch::Tensor& x) {
+    const torch::Tensor courses = x.t() + dither;
+    const auto [u, s, vh] = at::linalg_svd(courses - courses.mean(0, true), false);
+    return std::make_pair(u.narrow(1, 0, count) * s.narrow(0, 0, count), vh.narrow(0, 0, count));
+  };
+  const torch::Tensor reference = parts(tensor_of(a.poses)).second;
+  return [parts, reference](const torch::Tensor& x) {
+    const auto [scores, components] = parts(x);
+    return scores * (components.detach() * reference).sum(1).sign();
+  };
+}
+
+TensorFunction feature_function(const Clip& a, const Clip& b, const InterpolateConfig& config) {
   if (config.target == "dct") return dct_function(a.frames(), config);
   if (config.target == "pca") return pca_function(a, b, config);
+  if (config.target == "own_pca") return own_pca_function(a, config);
   if (a.frames() < config.stft_window)
     throw DataError(in_file(a.name), "the motions have " + std::to_string(a.frames()) +
                                          " frames in common, fewer than a Hann window of " +
                                          std::to_string(config.stft_window));
   return stft_function(config);
+}
+
+// Gradient descent from x; a step that does not lower the loss is taken back, the next is shorter.
+torch::Tensor descend(const torch::Tensor& x, const TensorFunction& loss,
+                      const InterpolateConfig& config) {
+  torch::Tensor at = x.detach().requires_grad_(true);
+  torch::Tensor value = loss(at);
+  value.backward();
+  double rate = config.rate;
+  for (std::int64_t step = 0; step < config.steps; ++step) {
+    torch::Tensor next = (at.detach() - 0.5 * rate * at.grad()).requires_grad_(true);
+    const torch::Tensor changed = loss(next);
+    if (!(changed.item<double>() <= value.item<double>())) {  // or it is no number
+      rate /= 2;
+      continue;
+    }
+    changed.backward();
+    at = next;
+    value = changed;
+    rate = std::min(config.rate, kRecovery * rate);
+  }
+  if (!at.grad().isfinite().all().item<bool>())
+    throw UsageError("the descent by " + config.target +
+                     " came where the features have no slope: give fewer --steps or another "
+                     "--target");
+  return at.detach().contiguous();
 }
 
 double cosine(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -126,11 +168,12 @@ Similarities similarities(const InterpolateResult& result, const Transform& tran
 
 void compare(InterpolateResult& result, const InterpolateConfig& config) {
   const auto stft = [&](const Clip& clip) -> Eigen::MatrixXd {
-    if (clip.frames() < config.stft_window) return Eigen::MatrixXd::Zero(1, 1);
     return stft_magnitudes<double>(RowMajor(clip.poses), stft_basis(config.stft_window),
                                    config.hop());
   };
-  result.stft = similarities(result, stft);
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const bool long_enough = result.original.frames() >= config.stft_window;
+  result.stft = long_enough ? similarities(result, stft) : Similarities{kNone, kNone, kNone};
   // The orthonormal DCT keeps products: the courses give the same cosines.
   result.dct = similarities(result, [](const Clip& clip) { return Eigen::MatrixXd(clip.poses); });
 }
@@ -148,27 +191,24 @@ InterpolateResult interpolate(const Clip& a, const Clip& b, const InterpolateCon
   result.original = unwound(slice(result.original, 0, frames));
   result.target = unwound_beside(slice(result.target, 0, frames), result.original);
 
-  const FeatureFunction f = feature_function(result.original, result.target, config);
-  torch::Tensor x = tensor_of(result.original.poses);
-  const torch::Tensor from = f(x).detach(), to = f(tensor_of(result.target.poses)).detach();
-  const auto error = [&] { return (f(x) - to).square().mean().item<double>(); };
+  const TensorFunction f = feature_function(result.original, result.target, config);
+  const torch::Tensor start = tensor_of(result.original.poses);
+  const torch::Tensor from = f(start), to = f(tensor_of(result.target.poses));
+  const auto error = [&](const torch::Tensor& features) {
+    return (features - to).square().mean().item<double>();
+  };
+  const auto loss = [&](const torch::Tensor& at) {
+    const torch::Tensor features = f(at);
+    return config.weight * (features - to).square().sum() +
+           (1 - config.weight) * (features - from).square().sum();
+  };
+  const torch::Tensor x = descend(start, loss, config);
   result.features = from.numel();
-  result.error_before = error();
-  for (std::int64_t step = 0; step < config.steps; ++step) {
-    x = x.detach().requires_grad_(true);
-    const torch::Tensor features = f(x);
-    const torch::Tensor loss = config.weight * (features - to).square().sum() +
-                               (1 - config.weight) * (features - from).square().sum();
-    loss.backward();
-    x = x.detach() - 0.5 * config.rate * x.grad();
-  }
-  x = x.detach().contiguous();
-  result.error_after = error();
+  result.error_before = error(from);
+  result.error_after = error(f(x));
   result.result = result.original;
   result.result.name = result.original.name + " towards " + result.target.name;
   result.result.poses = Eigen::Map<const Poses>(x.data_ptr<double>(), frames, 72);
-  if (!result.result.poses.allFinite())
-    throw UsageError("the descent left all bounds: give a smaller --rate");
   compare(result, config);
   result.result = wound(result.result);
   return result;
@@ -179,17 +219,19 @@ Table interpolate_table(const InterpolateResult& result, const InterpolateConfig
               {"motion", "roughness m/s^3", "above 8 Hz %", "STFT cosine to O", "to T",
                "DCT cosine to O", "DCT to T"});
   table.digits({-1, 2, 3, 3, 3, 3, 3});
+  const auto cell = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
   const auto row = [&](const char* name, const Clip& clip, double so, double st, double d_o,
                        double dt) {
-    table.row({name, roughness(clip), 100 * fast_share(clip), so, st, d_o, dt});
+    table.row({name, roughness(clip), 100 * fast_share(clip), cell(so), cell(st), d_o, dt});
   };
   const Similarities &s = result.stft, &d = result.dct;
   row("original (O)", result.original, 1, s.original_target, 1, d.original_target);
   row("target (T)", result.target, s.original_target, 1, d.original_target, 1);
   row("interpolated (I)", result.result, s.result_original, s.result_target, d.result_original,
       d.result_target);
-  table.note("STFT cosines (Table 3.3): O-T " + format_fixed(s.original_target, 3) + ", I-O " +
-             format_fixed(s.result_original, 3) + ", I-T " + format_fixed(s.result_target, 3));
+  if (std::isfinite(s.original_target))
+    table.note("STFT cosines (Table 3.3): O-T " + format_fixed(s.original_target, 3) + ", I-O " +
+               format_fixed(s.result_original, 3) + ", I-T " + format_fixed(s.result_target, 3));
   table.note("mean squared error of " + std::to_string(result.features) + " features: " +
              format_number(result.error_before) + " before, " + format_number(result.error_after) +
              " after " + std::to_string(config.steps) + " steps");

@@ -11,7 +11,8 @@
 
 namespace mocaplm {
 
-// Cosine similarities between original, target and result (thesis Table 3.3).
+// Cosine similarities between original, target and result (thesis Table 3.3); not a number where
+// the motions are too short for the transform.
 struct Similarities {
   double original_target = 0, result_original = 0, result_target = 0;
 };
@@ -28,10 +29,11 @@ struct InterpolateResult {
 // is rate times half its gradient. f is linear for dct (orthonormal DCT-II, coefficients within the
 // range of frequencies) and pca (orthonormal components over time, learned from the 144 courses of
 // both motions), where the features end at weight * f(B) + (1 - weight) * f(A). For stft it is the
-// magnitude of Hann windows, scaled so that a rate of 1 is the longest safe step. Whatever x is,
-// its vectors are rotations. Both motions are cut to the shorter one's length. Throws UsageError
-// for settings that contradict each other or the motions, DataError for motions of one frame or
-// (stft) shorter than a Hann window.
+// magnitude of Hann windows, scaled so that a rate of 1 is the longest safe step. For own_pca it is
+// what x's own 72 courses have of x's own leading components over time, so that the components move
+// with x; their signs are those of A's. Whatever x is, its vectors are rotations. Both motions are
+// cut to the shorter one's length. Throws UsageError for settings that contradict each other or the
+// motions, DataError for motions of one frame or (stft) shorter than a Hann window.
 InterpolateResult interpolate(const Clip& a, const Clip& b, const InterpolateConfig& config);
 
 Table interpolate_table(const InterpolateResult& result, const InterpolateConfig& config);

@@ -1,10 +1,14 @@
 // query, filter and interpolate as they are called: files, tables, exit codes.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "motion/formats/npy.h"
 #include "motion/formats/npz.h"
+#include "motion/formats/zip_file.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 #include "temporary_folder.h"
@@ -34,6 +38,8 @@ class SpectralCommands : public testing::Test {
     EXPECT_EQ(ran.code, code) << ran.text;
     EXPECT_TRUE(contains(ran.text, part)) << ran.text;
   }
+
+  static bool has_torch() { return fs::exists(MOCAPLM_BINARY_DIR "/mocaplm-torch"); }
 
   static TemporaryFolder* folder_;
 };
@@ -70,6 +76,8 @@ TEST_F(SpectralCommands, QueryRefusesWhatCannotBe) {
   refused(query() + "a --evaluate genre", 2, "no CLIP");
   refused(query() + "--evaluate gnre", 2, "genre");
   refused(query() + "a --page x.npz", 2, "x.npz");
+  refused(query() + "a --split test", 2, "--evaluate");
+  refused(query() + "--evaluate genre --per-clip 2", 2, "--per-clip");
   refused(query() + "a:9-12", 2, "begins at 9");
   refused(query() + "nobody", 3, "nobody");
   refused(query() + "one", 3, "shorter than a window");
@@ -80,6 +88,57 @@ TEST_F(SpectralCommands, QueryRefusesWhatCannotBe) {
   write_dataset(*folder_ / "other", {{"a", "train", 80}});
   refused("query --index " + at("other") + " --fps 20 --window 32 a --keep " + at("kept"), 3,
           "another dataset");
+}
+
+// What motion files may be: not a number somewhere, one frame, joints that never move, a label that
+// one clip alone has.
+TEST_F(SpectralCommands, BadMotionsAreAnswered) {
+  std::vector<double> poses(40 * 72, 0.1);
+  poses[5 * 72 + 7] = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> trans(40 * 3, 0);
+  const double fps = 20;
+  write_dataset(*folder_ / "nan",
+                {{"a", "train", 40, {{"genre", "x"}}}, {"bad", "test", 40, {{"genre", "x"}}}});
+  write_zip(*folder_ / "nan/clips/bad.npz", {{"poses.npy", npy_bytes(poses.data(), {40, 72})},
+                                             {"trans.npy", npy_bytes(trans.data(), {40, 3})},
+                                             {"mocap_framerate.npy", npy_bytes(&fps, {})}});
+  const std::string bad = at("nan/clips/bad.npz");
+  refused(query() + bad, 3, "frame 5");
+  refused("query --index " + at("nan") + " --fps 20 --window 32 a", 3, "bad.npz");
+  refused("query --index " + at("nan") + " --evaluate genre --fps 20 --window 32", 3, "bad.npz");
+  refused("filter " + bad + " --out " + at("x.npz"), 3, "frame 5");
+  if (has_torch())
+    refused("interpolate " + clip("a") + " " + bad + " --out " + at("x.npz"), 3, "frame 5");
+
+  const Ran lone = run_mocaplm(query() + "--evaluate genre --split all --features dct");
+  EXPECT_EQ(lone.code, 0) << lone.text;
+  EXPECT_TRUE(contains(lone.text, "have a genre that nothing they may find has")) << lone.text;
+  EXPECT_TRUE(contains(lone.text, "1 of 4 clips are shorter")) << lone.text;
+}
+
+TEST_F(SpectralCommands, MotionsThatStandStillGiveTables) {
+  for (const char* name : {"still", "still2"}) {
+    Clip still = random_clip(5, 60, 20);
+    still.poses.setZero();
+    still.trans.setZero();
+    write_npz(at(std::string(name) + ".npz"), still);
+  }
+  std::vector<std::string> commands = {query() + at("still.npz"),
+                                       "filter " + at("still.npz") + " --out " + at("s1.npz")};
+  if (has_torch())
+    commands.push_back("interpolate " + at("still.npz") + " " + at("still2.npz") + " --out " +
+                       at("s2.npz"));
+  for (const std::string& command : commands) {
+    const Ran ran = run_mocaplm(command);
+    EXPECT_EQ(ran.code, 0) << command << ran.text;
+    EXPECT_FALSE(contains(ran.text, " nan")) << command << ran.text;
+  }
+}
+
+TEST_F(SpectralCommands, NothingIsWrittenWhereAPictureCannotBe) {
+  refused("filter " + clip("a") + ":0-0.5 --out " + at("tiny") + " --spectrogram " + at("t.svg"), 3,
+          "Hann window");
+  for (const char* name : {"tiny.npz", "tiny.html", "t.svg"}) EXPECT_FALSE(fs::exists(at(name)));
 }
 
 TEST_F(SpectralCommands, FilterWritesTheMotion) {
@@ -98,8 +157,7 @@ TEST_F(SpectralCommands, FilterWritesTheMotion) {
 }
 
 TEST_F(SpectralCommands, InterpolateWritesTheMotion) {
-  if (!fs::exists(MOCAPLM_BINARY_DIR "/mocaplm-torch"))
-    GTEST_SKIP() << "mocaplm-torch is not built here";
+  if (!has_torch()) GTEST_SKIP() << "mocaplm-torch is not built here";
   const Ran ran =
       run_mocaplm("interpolate " + clip("a") + " " + clip("c") + " --fps 20 --steps 5 --out " +
                   at("mid") + " --spectrogram " + at("i.svg") + " --json " + at("i.json"));
@@ -110,6 +168,24 @@ TEST_F(SpectralCommands, InterpolateWritesTheMotion) {
   refused("interpolate " + clip("a") + " " + clip("one") + " --out " + at("x.npz"), 3, "one frame");
   refused("interpolate " + clip("a") + " " + clip("c") + " --from-hz 5 --out " + at("x.npz"), 2,
           "from_hz");
+  refused("interpolate " + clip("a"), 2, "two motions");
+  refused("interpolate " + clip("a") + " " + clip("c") + " --pairs 3", 2, "--evaluate");
+}
+
+TEST_F(SpectralCommands, InterpolateEvaluatesPairs) {
+  if (!has_torch()) GTEST_SKIP() << "mocaplm-torch is not built here";
+  const std::string evaluate = "interpolate --data " + at("data") + " --fps 20 --evaluate ";
+  const Ran ran = run_mocaplm(evaluate + "genre --pairs 1 --steps 5 --json " + at("t.json"));
+  ASSERT_EQ(ran.code, 0) << ran.text;
+  const Json tables = load_json(at("t.json"));
+  ASSERT_EQ(tables.size(), 3u);
+  EXPECT_EQ(tables[0]["rows"].size(), 6u);
+  EXPECT_EQ(tables[0]["rows"][0]["features"], "dct");
+  EXPECT_EQ(tables[1]["rows"].size(), 1u);
+  refused(evaluate + "gnre", 2, "did you mean \"genre\"");
+  refused(evaluate + "genre --target dct", 2, "--target does not go");
+  refused(evaluate + "genre --split validation", 3, "no two clips");
+  refused("interpolate --evaluate genre", 2, "--data");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/error.h"
+#include "common/text.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 #include "temporary_folder.h"
@@ -100,6 +101,22 @@ TEST(QueryEvaluation, ExclusionLeavesOutWhatItSays) {
   EXPECT_NEAR(cell(evaluate_query(options), 0, 5), 300.0 / 11, 1e-9);
   options.against = "test";
   EXPECT_EQ(cell(evaluate_query(options), 0, 5), 0);
+}
+
+// A genre that one clip alone has: told, not hidden in the share that is right.
+TEST(QueryEvaluation, CountsQueriesThatCannotBeRight) {
+  const TemporaryFolder folder;
+  write_dataset(folder / "data", {{"a", "test", 24, {{"genre", "x"}}, 20, 7},
+                                  {"b", "train", 24, {{"genre", "x"}}, 20, 7},
+                                  {"c", "test", 48, {{"genre", "y"}}},
+                                  {"d", "train", 24, {{"genre", "z"}}}});
+  QueryEvaluation options = asked(folder / "data");
+  options.query.k = 1;
+  const auto notes = [&] { return join(evaluate_query(options).notes(), "\n"); };
+  EXPECT_TRUE(contains(notes(), "2 of these windows have a genre that nothing")) << notes();
+  EXPECT_NEAR(cell(evaluate_query(options), 0, 3), 100.0 / 3, 1e-9);
+  options.query.exclude_same = "none";  // the clip's other window has its genre
+  EXPECT_FALSE(contains(notes(), "that nothing")) << notes();
 }
 
 TEST(QueryEvaluation, RefusesWhatCannotBe) {

@@ -137,6 +137,7 @@ TEST(Embedding, OneChannelIsItsOwnSpectrum) {
   Eigen::Index most = 0;
   dct[0].maxCoeff(&most);
   EXPECT_NEAR(double(most), 32, 1);  // half the rate's half
+  EXPECT_NEAR(dct_embeddings({Series::Zero(64, 3), one})[0].norm(), 0, 1e-9);
   EXPECT_TRUE(contains(refusal([&] { stft_embeddings({Series::Zero(9, 3)}, 16, 8); }), "Hann"));
 }
 

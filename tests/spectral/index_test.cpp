@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <limits>
 
 #include "common/error.h"
@@ -107,6 +108,14 @@ TEST(Index, DamagedFilesAreRefusedByName) {
   ASSERT_NE(at, std::string::npos);
   fewer.replace(at, 12, "\"windows\":11");
   EXPECT_TRUE(contains(told(fewer), "another size"));
+  // As many windows as would make the sizes overflow.
+  std::string more = good;
+  more.replace(more.find("\"windows\":12"), 12, "\"windows\":1099511627776");
+  std::uint64_t bytes = 0;  // of the JSON, said at byte 40
+  std::memcpy(&bytes, more.data() + 40, sizeof bytes);
+  bytes += more.size() - good.size();
+  std::memcpy(more.data() + 40, &bytes, sizeof bytes);
+  EXPECT_TRUE(contains(told(more), "windows"));
   EXPECT_TRUE(contains(refusal([&] { SpectralIndex index(folder / "none.index"); }), "none.index"));
   EXPECT_TRUE(contains(refusal([&] { SpectralIndex index(folder.path()); }), "not a regular file"));
 }

@@ -76,7 +76,7 @@ TEST(Query, FindsTheSameMotionAtItsPlace) {
     EXPECT_EQ(match_clip(result, result.matches[0]).poses, result.query.poses);
     const Table table = query_table(result, options);
     EXPECT_EQ(table.rows()[0][0], "b");
-    EXPECT_EQ(table.rows()[0][5], "x");
+    EXPECT_EQ(table.rows()[0][6], "x");
   }
 }
 

@@ -150,6 +150,7 @@ TEST(SettingsDocument, Filter) {
 
 TEST(SettingsDocument, Interpolate) {
   expect_documented("interpolate", rows_of(InterpolateConfig()));
+  expect_documented("interpolation pairs", rows_of(InterpolatePairs()));
 }
 
 TEST(SettingsDocument, Import) {

@@ -5,6 +5,7 @@
 #include "common/error.h"
 #include "numeric/dct.h"
 #include "spectral/measures.h"
+#include "spectral/unwound.h"
 #include "support/refusal.h"
 #include "tokenizer/random_clips.h"
 
@@ -43,7 +44,7 @@ TEST(Interpolate, DctMeetsTheWeightedMean) {
 
 TEST(Interpolate, LiesBetweenBoth) {
   const Clip a = random_clip(3, 80, 20), b = random_clip(4, 80, 20);
-  for (const char* target : {"dct", "pca", "stft"}) {
+  for (const char* target : {"dct", "pca", "stft", "own_pca"}) {
     InterpolateConfig config = config_of(target);
     config.to_hz = 10;
     const InterpolateResult result = interpolate(a, b, config);
@@ -87,6 +88,40 @@ TEST(Interpolate, StepsGoDownhillByTheGradientsSquare) {
   }
 }
 
+// The components move with the motion, their slopes are large where two are nearly as strong.
+TEST(Interpolate, OwnComponentsGoDownhillByTheGradientsSquare) {
+  const Clip a = random_clip(7, 90, 20), b = random_clip(8, 90, 20);
+  InterpolateConfig config = config_of("own_pca");
+  config.coefficients = 4;
+  config.weight = 1;
+  config.steps = 1;
+  config.rate = 1e-6;
+  const InterpolateResult result = interpolate(a, b, config);
+  EXPECT_EQ(result.features, 4 * 72);
+  const double n = static_cast<double>(result.features);
+  const Eigen::MatrixXd step = unwound(result.result).poses - result.original.poses;
+  const double fell = n * (result.error_before - result.error_after);
+  EXPECT_GT(fell, 0);
+  EXPECT_NEAR(fell, 2 * step.squaredNorm() / config.rate, 1e-2 * fell);
+}
+
+// Joints that never move have components without strength: no reason to fail.
+TEST(Interpolate, OwnComponentsTakeConstantChannels) {
+  Clip a = random_clip(9, 40, 20), b = random_clip(10, 40, 20);
+  for (Clip* clip : {&a, &b}) clip->poses.rightCols(36).setZero();
+  const InterpolateResult result = interpolate(a, b, config_of("own_pca"));
+  EXPECT_LT(result.error_after, result.error_before);
+  check_clip(result.result, "constant channels");
+}
+
+TEST(Interpolate, ShortMotionsHaveNoStft) {
+  const Clip a = random_clip(1, 6, 20), b = random_clip(2, 6, 20);
+  InterpolateConfig config = config_of("dct");
+  const Table table = interpolate_table(interpolate(a, b, config), config);
+  EXPECT_TRUE(table.rows()[2][3].is_null());
+  EXPECT_TRUE(table.rows()[2][5].is_number());
+}
+
 TEST(Interpolate, BadInputIsAnswered) {
   const Clip a = random_clip(1, 40, 20);
   const auto usage = [&](const auto& change) {
@@ -96,6 +131,7 @@ TEST(Interpolate, BadInputIsAnswered) {
   };
   EXPECT_TRUE(contains(usage([](auto& c) { c.from_hz = 3, c.to_hz = 2; }), "from_hz"));
   EXPECT_TRUE(contains(usage([](auto& c) { c.target = "pca", c.coefficients = 41; }), "41"));
+  EXPECT_TRUE(contains(usage([](auto& c) { c.target = "own_pca", c.coefficients = 41; }), "41"));
   EXPECT_TRUE(contains(refusal([&] { interpolate(a, random_clip(2, 1, 20), config_of("dct")); }),
                        "one frame"));
   EXPECT_TRUE(contains(refusal([&] { interpolate(a, random_clip(2, 7, 20), config_of("stft")); }),
