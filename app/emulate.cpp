@@ -35,6 +35,14 @@ struct FitCommand {
 std::vector<Clip> read_class(const FitCommand& command, const Dataset& dataset) {
   const auto entries =
       entries_where(dataset, command.where, command.split == "all" ? "" : command.split);
+  if (entries.size() < kFewestMotions)
+    throw DataError(
+        in_file(command.dataset),
+        (command.where.empty() ? "the dataset" : join(command.where, ", ")) + " has " +
+            std::to_string(entries.size()) + (entries.size() == 1 ? " clip" : " clips") +
+            (command.split == "all" ? "" : " in the split " + command.split) + ", expected " +
+            std::to_string(kFewestMotions) + " or more to fit a scheme to" +
+            (command.split == "all" ? "" : "; --split all takes the clips of all splits"));
   Progress progress("reading", entries.size(), "clips");
   std::vector<Clip> clips;
   for (const DatasetEntry& entry : entries) {

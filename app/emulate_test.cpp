@@ -20,15 +20,7 @@ struct EmulateTestCommand {
     if (!out.empty()) check_writable(std::filesystem::path(out) / "report.html");
     const Evaluation evaluation = evaluate_emulation(options, !out.empty());
     const std::vector<Table> tables = evaluation_tables(evaluation);
-    if (!out.empty()) {
-      write_report(out, evaluation, tables);
-      Json settings = settings_json(options);
-      for (const Json& more : {settings_json(options.landmarks), settings_json(options.align),
-                               settings_json(options.options)})
-        settings.update(more);
-      settings["data"] = options.data.string();
-      save_json(std::filesystem::path(out) / "settings.json", settings);
-    }
+    if (!out.empty()) write_report(out, evaluation, tables);
     print_tables(tables, json);
   }
 };

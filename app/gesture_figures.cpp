@@ -3,21 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/files.h"
-#include "viewer/html.h"
+#include "viewer/report_page.h"
 
 namespace mocaplm {
 
 namespace {
 
 constexpr const char* kGrey = "#c4c4c4";
-constexpr const char* kStyle =
-    "body{font-family:sans-serif;margin:24px auto;max-width:800px;color:#222;background:#fff}"
-    "svg{width:100%;height:auto;margin:12px 0;border:1px solid #e3e3e3}"
-    "figure{margin:20px 0;overflow-x:auto}table{border-collapse:collapse;font-size:14px}"
-    "caption{text-align:left;font-weight:bold;padding:6px 0}"
-    "th,td{padding:3px 10px;border-bottom:1px solid #e3e3e3;text-align:right}"
-    "th[scope=row]{text-align:left;font-weight:normal}";
 
 Eigen::VectorXd times(double duration, Eigen::Index samples) {
   return Eigen::VectorXd::LinSpaced(samples, 0, duration);
@@ -122,12 +114,13 @@ Plot hyperplane(const PhaseModel& model, const PhaseData& data) {
 
 void write_figures(const std::filesystem::path& path, const std::string& title,
                    const std::vector<Plot>& plots, const std::vector<Table>& tables) {
-  std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
-                     escape_html(title) + "</title>\n<style>" + kStyle +
-                     "</style></head><body>\n<h1>" + escape_html(title) + "</h1>\n";
-  for (const Plot& plot : plots) html += plot_svg(plot);
-  for (const Table& table : tables) html += html_table(table);
-  write_file(path, html + "</body></html>\n");
+  ReportPage page;
+  page.title = title;
+  page.pictures_first = true;
+  page.tables = tables;
+  page.chapters.resize(1);
+  for (const Plot& plot : plots) page.chapters[0].pictures.push_back(plot_svg(plot));
+  write_report_page(path, page);
 }
 
 PlotSeries line_series(const std::string& name, const Eigen::VectorXd& x, const Eigen::VectorXd& y,

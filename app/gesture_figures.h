@@ -1,4 +1,4 @@
-// The pictures of `mocaplm gesture`, on pages without a script.
+// The pictures of `mocaplm gesture`, on a page.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace mocaplm {
 
-// One HTML file: the plots as SVG, then the tables.
+// One page (viewer/report_page.h): the plots, then the tables.
 void write_figures(const std::filesystem::path& path, const std::string& title,
                    const std::vector<Plot>& plots, const std::vector<Table>& tables);
 

@@ -4,6 +4,7 @@
 
 #include "app/options.h"
 #include "common/error.h"
+#include "emulator/motions.h"
 #include "motion/dataset.h"
 #include "motion/formats/formats.h"
 #include "motion/joint_path.h"
@@ -31,34 +32,6 @@ Recording recording_of(const Clip& clip, const std::string& name, int joint, boo
     one.values.col(static_cast<Eigen::Index>(j)) = path.col(columns[j]);
   one.more.resize(clip.frames(), 0);
   return one;
-}
-
-// The clips of a dataset that have every label of `where`.
-std::vector<DatasetEntry> chosen(const Dataset& dataset, const std::vector<std::string>& where) {
-  std::vector<DatasetEntry> entries = dataset.entries;
-  for (const std::string& text : where) {
-    const std::size_t at = text.find('=');
-    if (at == std::string::npos || at == 0)
-      throw UsageError("--where " + text + ": expected LABEL=VALUE");
-    const std::string label = text.substr(0, at), value = text.substr(at + 1);
-    const std::vector<std::string> labels = dataset.label_names();
-    if (std::find(labels.begin(), labels.end(), label) == labels.end())
-      throw UsageError("--where " + text + ": the dataset has no label \"" + label + "\"" +
-                       known_names(label, labels, "Labels"));
-    const std::vector<std::string> values = dataset.label_values(label);
-    if (std::find(values.begin(), values.end(), value) == values.end())
-      throw UsageError("--where " + text + ": no clip has the " + label + " \"" + value + "\"" +
-                       known_names(value, values, "Values"));
-    entries.erase(std::remove_if(entries.begin(), entries.end(),
-                                 [&](const DatasetEntry& entry) {
-                                   const auto found = entry.labels.find(label);
-                                   return found == entry.labels.end() || found->second != value;
-                                 }),
-                  entries.end());
-  }
-  if (entries.empty())
-    throw UsageError("no clip of " + dataset.directory.string() + " has " + join(where, " and "));
-  return entries;
 }
 
 }  // namespace
@@ -110,7 +83,7 @@ Recordings GestureInput::read(const GestureConfig& config) const {
   for (const std::string& input : inputs) {
     if (is_dataset(input)) {
       const Dataset dataset = load_dataset(input);
-      for (const DatasetEntry& entry : chosen(dataset, where))
+      for (const DatasetEntry& entry : entries_where(dataset, where, ""))
         add(load_clip(dataset, entry), entry.name);
     } else {
       if (!where.empty()) throw UsageError("--where is for dataset folders, not " + input);

@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "common/random.h"
-#include "emulator/evaluation/distances.h"
+#include "emulator/distances.h"
 #include "numeric/energy.h"
 
 namespace {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "common/parallel.h"
+#include "emulator/distances.h"
 #include "emulator/representation.h"
 
 namespace mocaplm {
@@ -227,7 +228,7 @@ std::size_t central_sequence(const std::vector<PostureSequence>& sequences, Eige
   for (const PostureSequence& sequence : sequences)
     even.push_back(normalised(sequence, std::min<Eigen::Index>(frames, 50)));
   Eigen::Index least = 0;
-  if (!even.empty()) distance_matrix(even, threads).rowwise().sum().minCoeff(&least);
+  if (!even.empty()) sequence_distances(even, threads).rowwise().sum().minCoeff(&least);
   return static_cast<std::size_t>(least);
 }
 

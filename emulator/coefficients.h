@@ -33,11 +33,8 @@ class CoefficientModel {
 //              the data, moved by a kernel of the shrunk covariance, drawn together so that
 //              the whole has the data's mean and covariance; the bandwidth by the likelihood of
 //              each sample under the others
-//   Local      a kernel on each sample, shaped as its neighbours lie: sample i plus `spread` times
-//   a
-//              Gaussian of the covariance of its `neighbours` nearest samples about it ("manifold
-//              Parzen windows", Vincent and Bengio 2003), with `floor` of the variances of all
-//              so that there is a density
+//   Local      a kernel on each sample, shaped as its neighbours lie ("manifold Parzen windows",
+//              Vincent and Bengio 2003), the variance kept (emulator/local.h)
 //
 // Models of several Gaussians or kernels draw them stratified, unless the options say otherwise:
 // of `count` samples each kernel makes its share, rounded up or down by chance (systematic

@@ -14,9 +14,10 @@ namespace mocaplm {
 namespace {
 
 void check_same_shape(const std::vector<PostureSequence>& sequences) {
-  if (sequences.size() < 3)
-    throw DataError(in_file("motions"), std::to_string(sequences.size()) +
-                                            " to fit to; a scheme needs 3 or more of one class");
+  if (sequences.size() < kFewestMotions)
+    throw DataError(in_file("motions"),
+                    std::to_string(sequences.size()) + " to fit to; a scheme needs " +
+                        std::to_string(kFewestMotions) + " or more of one class");
   for (std::size_t m = 0; m < sequences.size(); ++m) {
     check_sequence(sequences[m], in_file("motion " + std::to_string(m)));
     if (sequences[m].limbs() != sequences[0].limbs() ||

@@ -14,6 +14,9 @@
 
 namespace mocaplm {
 
+// The fewest sequences that a scheme can be fitted to.
+constexpr std::size_t kFewestMotions = 3;
+
 class Emulator {
  public:
   virtual ~Emulator() = default;
@@ -45,9 +48,9 @@ class Emulator {
   virtual Json json() const = 0;
 };
 
-// Fits the scheme to sequences of the same limbs and frames. Throws DataError for fewer than 3
-// sequences, values that are not finite or sequences that are all the same; d1 and d2 larger than
-// the data allows are lowered to what it does (d1() and d2() tell).
+// Fits the scheme to sequences of the same limbs and frames. Throws DataError for fewer than
+// kFewestMotions, values that are not finite or sequences that are all the same; d1 and d2 larger
+// than the data allows are lowered to what it does (d1() and d2() tell).
 std::unique_ptr<Emulator> fit_emulator(const std::vector<PostureSequence>& sequences,
                                        const Scheme& scheme, const SchemeOptions& options,
                                        int threads = 0);

@@ -1,6 +1,5 @@
 #include "emulator/local.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -9,65 +8,103 @@
 
 namespace mocaplm {
 
-LocalKernels::LocalKernels(Eigen::MatrixXd samples, Eigen::MatrixXi neighbours,
-                           Eigen::VectorXd deviations, double spread, double floor, bool stratified)
+namespace {
+
+// What never varies still needs a density.
+Eigen::VectorXd at_least(const Eigen::VectorXd& variances, double most) {
+  return variances.cwiseMax(std::max(1e-10 * most, 1e-290));
+}
+
+Eigen::VectorXd variances_of(const Eigen::MatrixXd& samples) {
+  const Eigen::MatrixXd centred = samples.rowwise() - samples.colwise().mean();
+  const Eigen::VectorXd variances =
+      centred.colwise().squaredNorm().transpose() / static_cast<double>(samples.rows() - 1);
+  return at_least(variances, variances.maxCoeff());
+}
+
+}  // namespace
+
+LocalKernels::LocalKernels(Eigen::MatrixXd samples, Eigen::MatrixXi neighbours, double spread,
+                           double floor, bool stratified)
     : samples_(std::move(samples)),
       neighbours_(std::move(neighbours)),
-      deviations_(std::move(deviations)),
       spread_(spread),
       floor_(floor),
-      stratified_(stratified),
-      white_(deviations_.cwiseInverse().asDiagonal() * samples_.transpose()) {}
+      stratified_(stratified) {
+  place_kernels();
+}
+
+void LocalKernels::place_kernels() {
+  const Eigen::Index m = samples_.rows(), k = neighbours_.cols(), d = dimensions();
+  const double kept = std::sqrt(1 - spread_ * spread_);
+  const double drawn = spread_ * std::sqrt((1 - floor_) / static_cast<double>(k));
+  Eigen::VectorXd middle = Eigen::VectorXd::Zero(d), near = middle;
+  kernels_.resize(static_cast<std::size_t>(m));
+  for (Eigen::Index i = 0; i < m; ++i) {
+    Kernel& kernel = kernels_[static_cast<std::size_t>(i)];
+    kernel.ways.resize(d, k + 1);
+    kernel.ways.col(0) = samples_.row(i).transpose();
+    for (Eigen::Index j = 0; j < k; ++j)
+      kernel.ways.col(j + 1) = samples_.row(neighbours_(i, j)).transpose();
+    const Eigen::VectorXd mean = kernel.ways.rowwise().mean();
+    kernel.ways.colwise() -= mean;
+    kernel.centre = mean + kept * kernel.ways.col(0);
+    middle += kernel.centre / static_cast<double>(m);
+    near += kernel.ways.rowwise().squaredNorm() / static_cast<double>(m * k);
+    kernel.ways *= drawn;
+  }
+  const Eigen::VectorXd wanted = variances_of(samples_);
+  near = at_least(near, wanted.maxCoeff());
+  Eigen::VectorXd whole = spread_ * spread_ * near;
+  for (const Kernel& kernel : kernels_)
+    whole += (kernel.centre - middle).cwiseAbs2() / static_cast<double>(m);
+  const Eigen::VectorXd back = wanted.cwiseQuotient(whole).cwiseSqrt();
+  noise_ = spread_ * std::sqrt(floor_) * back.cwiseProduct(near.cwiseSqrt());
+  const Eigen::VectorXd mean = samples_.colwise().mean().transpose();
+  for (Kernel& kernel : kernels_) {
+    kernel.centre = (mean + back.cwiseProduct(kernel.centre - middle)).cwiseQuotient(noise_);
+    kernel.ways = back.cwiseQuotient(noise_).asDiagonal() * kernel.ways;
+    Eigen::MatrixXd inner = kernel.ways.transpose() * kernel.ways;
+    inner.diagonal().array() += 1;
+    kernel.inner.compute(inner);
+  }
+}
 
 Eigen::MatrixXd LocalKernels::sample(Eigen::Index count, Random& random) const {
-  const Eigen::Index m = samples_.rows(), k = neighbours_.cols();
+  const Eigen::Index m = samples_.rows();
   const auto which = draw_indices(Eigen::VectorXd::Constant(m, 1 / static_cast<double>(m)), count,
                                   stratified_, random);
   Eigen::MatrixXd drawn(count, dimensions());
-  Eigen::VectorXd e(dimensions());
+  Eigen::VectorXd e(dimensions()), z(neighbours_.cols() + 1);
   for (Eigen::Index n = 0; n < count; ++n) {
-    const Eigen::Index i = which[static_cast<std::size_t>(n)];
-    for (Eigen::Index c = 0; c < e.size(); ++c) e[c] = random.normal();
-    drawn.row(n) = samples_.row(i) + floor_ * deviations_.cwiseProduct(e).transpose();
-    for (Eigen::Index j = 0; j < k; ++j)
-      drawn.row(n) += spread_ / std::sqrt(static_cast<double>(k)) * random.normal() *
-                      (samples_.row(neighbours_(i, j)) - samples_.row(i));
+    const Kernel& kernel = kernels_[static_cast<std::size_t>(which[static_cast<std::size_t>(n)])];
+    for (double& each : e) each = random.normal();
+    for (double& each : z) each = random.normal();
+    e += kernel.centre + kernel.ways * z;
+    drawn.row(n) = noise_.cwiseProduct(e).transpose();
   }
   return drawn;
 }
 
 double LocalKernels::log_density(const Eigen::VectorXd& x) const {
-  const Eigen::Index m = samples_.rows(), k = neighbours_.cols(), d = dimensions();
-  const Eigen::VectorXd at = x.cwiseQuotient(deviations_);
-  const double floor2 = floor_ * floor_;
-  Eigen::VectorXd parts(m);
-  Eigen::MatrixXd ways(d, k);
-  for (Eigen::Index i = 0; i < m; ++i) {
-    // In units of D a kernel's covariance is f^2 I + W W': its inverse and determinant follow from
-    // those of f^2 I + W' W, which is small (Woodbury).
-    for (Eigen::Index j = 0; j < k; ++j)
-      ways.col(j) = spread_ / std::sqrt(static_cast<double>(k)) *
-                    (white_.col(neighbours_(i, j)) - white_.col(i));
-    const Eigen::VectorXd away = at - white_.col(i);
-    Eigen::MatrixXd inner = ways.transpose() * ways;
-    inner.diagonal().array() += floor2;
-    const Eigen::LLT<Eigen::MatrixXd> llt(inner);
-    const Eigen::VectorXd along = ways.transpose() * away;
-    const double square = (away.squaredNorm() - along.dot(llt.solve(along))) / floor2;
-    const Eigen::MatrixXd lower = llt.matrixL();
-    const double log_det =
-        2 * lower.diagonal().array().log().sum() + static_cast<double>(d - k) * std::log(floor2);
-    parts[i] = -0.5 * (square + log_det);
+  const Eigen::VectorXd at = x.cwiseQuotient(noise_);
+  Eigen::VectorXd parts(samples_.rows());
+  for (Eigen::Index i = 0; i < parts.size(); ++i) {
+    const Kernel& kernel = kernels_[static_cast<std::size_t>(i)];
+    const Eigen::VectorXd away = at - kernel.centre;
+    const Eigen::VectorXd along = kernel.ways.transpose() * away;
+    // The inverse of I + W W' by that of I + W' W, which is small (Woodbury).
+    parts[i] = -0.5 * (away.squaredNorm() - along.dot(kernel.inner.solve(along))) -
+               kernel.inner.matrixLLT().diagonal().array().log().sum();
   }
-  return log_sum_exp(parts) - std::log(static_cast<double>(m)) - deviations_.array().log().sum() -
-         0.5 * static_cast<double>(d) * std::log(2 * M_PI);
+  return log_sum_exp(parts) - std::log(static_cast<double>(parts.size())) -
+         noise_.array().log().sum() - 0.5 * static_cast<double>(x.size()) * std::log(2 * M_PI);
 }
 
 Json LocalKernels::json() const {
   return {{"model", "Local"},
           {"samples", matrix_json(samples_)},
           {"neighbours", matrix_json(neighbours_.cast<double>())},
-          {"deviations", matrix_json(deviations_)},
           {"spread", spread_},
           {"floor", floor_},
           {"stratified", stratified_}};
@@ -76,14 +113,12 @@ Json LocalKernels::json() const {
 std::unique_ptr<LocalKernels> LocalKernels::read(JsonObject& object) {
   Eigen::MatrixXd samples = read_matrix(object, "samples", -1, -1);
   const Eigen::MatrixXd neighbours = read_matrix(object, "neighbours", samples.rows(), -1);
-  const Eigen::MatrixXd deviations = read_matrix(object, "deviations", samples.cols(), 1);
-  if (deviations.minCoeff() <= 0) object.fail("deviations", "expected positive numbers");
+  if (samples.rows() < 2) object.fail("samples", "expected 2 rows or more");
   if (neighbours.minCoeff() < 0 || neighbours.maxCoeff() >= static_cast<double>(samples.rows()))
     object.fail("neighbours", "expected indices of samples");
-  const double spread = object.number("spread", 0, 1e6);
-  const double floor = object.number("floor", 1e-6, 1e6);
-  return std::make_unique<LocalKernels>(std::move(samples), neighbours.cast<int>(),
-                                        deviations.col(0), spread, floor,
+  const double spread = object.number("spread", 1e-6, 1);
+  const double floor = object.number("floor", 1e-6, 1);
+  return std::make_unique<LocalKernels>(std::move(samples), neighbours.cast<int>(), spread, floor,
                                         object.boolean("stratified"));
 }
 
@@ -103,13 +138,8 @@ std::unique_ptr<LocalKernels> fit_local(const Eigen::MatrixXd& samples,
     });
     for (Eigen::Index j = 0; j < k; ++j) neighbours(i, j) = order[static_cast<std::size_t>(j + 1)];
   }
-  const Eigen::MatrixXd centred = samples.rowwise() - samples.colwise().mean();
-  Eigen::VectorXd deviations =
-      centred.colwise().norm().transpose() / std::sqrt(static_cast<double>(m - 1));
-  // What never varies still needs a density.
-  deviations = deviations.cwiseMax(std::max(1e-5 * deviations.maxCoeff(), 1e-150));
-  return std::make_unique<LocalKernels>(samples, std::move(neighbours), std::move(deviations),
-                                        options.spread, options.floor, options.stratified);
+  return std::make_unique<LocalKernels>(samples, std::move(neighbours), options.spread,
+                                        options.floor, options.stratified);
 }
 
 }  // namespace mocaplm

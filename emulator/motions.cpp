@@ -47,7 +47,7 @@ std::vector<DatasetEntry> entries_where(const Dataset& dataset,
   for (const std::string& text : where) {
     const auto at = text.find('=');
     if (at == std::string::npos || at == 0 || at + 1 == text.size())
-      throw UsageError("--where " + text + ": expected label=value");
+      throw UsageError("--where " + text + ": expected LABEL=VALUE");
     const std::string label = text.substr(0, at), value = text.substr(at + 1);
     const auto names = dataset.label_names(), values = dataset.label_values(label);
     if (std::find(names.begin(), names.end(), label) == names.end())

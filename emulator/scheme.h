@@ -27,7 +27,7 @@ struct SchemeOptions {
   std::int64_t mixture = 0;
   double bandwidth = 0;
   std::int64_t neighbours = 6;
-  double spread = 0.5;
+  double spread = 0.7;
   double floor = 0.2;
   bool stratified = true;
   template <class Visitor>
@@ -43,9 +43,10 @@ struct SchemeOptions {
     v.number("bandwidth", bandwidth, 0, 10,
              "of Copula's and Bootstrap's kernels, in Silverman's; 0: chosen from the data");
     v.integer("neighbours", neighbours, 1, 1000, "that shape each of Local's kernels");
-    v.number("spread", spread, 0.01, 10, "of Local's kernels, by their neighbours' own");
-    v.number("floor", floor, 0.001, 10,
-             "each coefficient's deviation has this part in Local's kernels");
+    v.number("spread", spread, 0.01, 1,
+             "share of a neighbourhood's deviation that Local draws anew; the rest is the clip's");
+    v.number("floor", floor, 0.001, 1,
+             "share of its kernels' variance that is independent noise of each coefficient");
     v.boolean("stratified", stratified,
               "draw kernels and Gaussians of Mixture in turn, not independently");
   }

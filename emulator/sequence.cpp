@@ -1,5 +1,6 @@
 #include "emulator/sequence.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/parallel.h"
@@ -90,27 +91,12 @@ PostureSequence mean_sequence(const std::vector<PostureSequence>& sequences, int
 }
 
 double sequence_distance(const PostureSequence& a, const PostureSequence& b) {
-  // No copies: 12 million angles make the distance matrix of 60 sequences of 300 postures.
   const Eigen::Index count = a.values.size() / 3;
   const Eigen::Map<const Eigen::Matrix3Xd> y(a.values.data(), 3, count);
   const Eigen::Map<const Eigen::Matrix3Xd> z(b.values.data(), 3, count);
   double sum = 0;
   for (Eigen::Index i = 0; i < count; ++i) sum += sphere_distance(y.col(i), z.col(i));
   return sum / static_cast<double>(a.frames());
-}
-
-Eigen::MatrixXd distance_matrix(const std::vector<PostureSequence>& sequences, int threads) {
-  const auto n = static_cast<Eigen::Index>(sequences.size());
-  Eigen::MatrixXd distances = Eigen::MatrixXd::Zero(n, n);
-  // Long rows first.
-  parallel_for(sequences.size(), threads, [&](std::size_t row) {
-    for (std::size_t i = 0; i + row + 1 < sequences.size(); ++i) {
-      const std::size_t j = i + row + 1;
-      const auto a = static_cast<Eigen::Index>(i), b = static_cast<Eigen::Index>(j);
-      distances(a, b) = distances(b, a) = sequence_distance(sequences[i], sequences[j]);
-    }
-  });
-  return distances;
 }
 
 Posture posture_at(const PostureSequence& sequence, double time) {

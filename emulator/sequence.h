@@ -42,10 +42,9 @@ Posture mean_posture(const std::vector<PostureSequence>& sequences, Eigen::Index
 // The mean at each frame (equation 6, the first half); all sequences have the same length.
 PostureSequence mean_sequence(const std::vector<PostureSequence>& sequences, int threads = 0);
 
-// Equation 4: the mean over frames of posture_distance. Both have the same frames and limbs.
+// Equation 4: the mean over frames of posture_distance. Both have the same frames and limbs. For
+// many pairs: emulator/distances.h.
 double sequence_distance(const PostureSequence& a, const PostureSequence& b);
-// (n, n) of sequence_distance between all pairs: symmetric, zero on the diagonal.
-Eigen::MatrixXd distance_matrix(const std::vector<PostureSequence>& sequences, int threads = 0);
 
 // The posture at `time` in frames, 0 .. T - 1, on the geodesic between the two frames around it.
 Posture posture_at(const PostureSequence& sequence, double time);

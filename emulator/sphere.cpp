@@ -1,6 +1,7 @@
 #include "emulator/sphere.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace mocaplm {

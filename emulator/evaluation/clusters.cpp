@@ -6,7 +6,7 @@
 #include "common/error.h"
 #include "common/parallel.h"
 #include "common/random.h"
-#include "emulator/evaluation/distances.h"
+#include "emulator/distances.h"
 
 namespace mocaplm {
 

@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "common/progress.h"
 #include "common/random.h"
+#include "common/settings.h"
 #include "common/text.h"
 #include "emulator/evaluation/split.h"
 
@@ -63,15 +64,31 @@ struct PreparedSplit {
   std::vector<PostureSequence> fit, test;
 };
 
-PreparedSplit prepare_split(const Dataset& dataset, const NamedClass& named,
-                            const EvaluationOptions& options, std::int64_t seed) {
-  const ClipSplit split =
-      split_clips(named.entries, options.test_share, static_cast<std::uint64_t>(seed),
-                  named.name + " of " + dataset.directory.string());
+std::string place_of(const Dataset& dataset, const NamedClass& named) {
+  return named.name + " of " + dataset.directory.string();
+}
+
+ClipSplit split_class(const Dataset& dataset, const NamedClass& named,
+                      const EvaluationOptions& options, std::int64_t seed) {
+  return split_clips(named.entries, options.test_share, static_cast<std::uint64_t>(seed),
+                     place_of(dataset, named));
+}
+
+PreparedSplit prepare_split(const Dataset& dataset, const ClipSplit& split,
+                            const EvaluationOptions& options) {
   const int threads = static_cast<int>(options.threads);
   const PreparedMotions prepared =
       prepare_motions(load_clips(dataset, split.fit), options.landmarks, options.align, threads);
   return {prepared.sequences(), prepare_like(prepared, load_clips(dataset, split.test), threads)};
+}
+
+// Throws DataError where there is no variation, in the clips fitted to or in the unseen ones.
+void check_variation(const std::vector<PostureSequence>& sequences, const std::string& place) {
+  for (const PostureSequence& one : sequences)
+    if ((one.values - sequences[0].values).cwiseAbs().maxCoeff() > 1e-9) return;
+  throw DataError(in_file(place),
+                  "clips are the same motion again and again, expected ones that "
+                  "differ: there is no variation to emulate");
 }
 
 std::vector<ClassMotions> parts_of(const NamedClass& named, const PreparedSplit& split,
@@ -191,6 +208,8 @@ struct TestedClass {
   std::vector<ClassMotions> parts;
 };
 
+// A class whose clips cannot be split into some to fit to and others to test against, or do not
+// vary, is left out where all values of a label are asked for.
 std::vector<TestedClass> prepare_classes(const Dataset& dataset, const EvaluationOptions& options,
                                          const std::vector<MotionPart>& parts,
                                          Evaluation& evaluation) {
@@ -199,15 +218,26 @@ std::vector<TestedClass> prepare_classes(const Dataset& dataset, const Evaluatio
   std::vector<TestedClass> classes;
   Progress progress("aligning", named.size(), "classes");
   for (NamedClass& one : named) {
-    if (may_leave_out && one.entries.size() < kFewestToFit + kFewestToTest) {
-      evaluation.left_out.emplace_back(
-          one.name, "has too few clips to split (" + std::to_string(one.entries.size()) + ")");
-      progress.add(one.name);
-      continue;
-    }
-    const PreparedSplit split = prepare_split(dataset, one, options, options.seed);
-    std::vector<ClassMotions> cut = parts_of(one, split, parts, options);
     progress.add(one.name);
+    const auto refused = [&](const auto& check) {
+      try {
+        check();
+        return false;
+      } catch (const DataError& error) {
+        if (!may_leave_out) throw;
+        evaluation.left_out.emplace_back(one.name, error.what());
+        return true;
+      }
+    };
+    ClipSplit split;
+    if (refused([&] { split = split_class(dataset, one, options, options.seed); })) continue;
+    const PreparedSplit prepared = prepare_split(dataset, split, options);
+    if (refused([&] {
+          check_variation(prepared.fit, place_of(dataset, one));
+          check_variation(prepared.test, place_of(dataset, one));
+        }))
+      continue;
+    std::vector<ClassMotions> cut = parts_of(one, prepared, parts, options);
     classes.push_back({std::move(one), std::move(cut)});
   }
   progress.finish();
@@ -215,7 +245,8 @@ std::vector<TestedClass> prepare_classes(const Dataset& dataset, const Evaluatio
     throw DataError(in_file(dataset.directory.string()),
                     "no value of " + options.label + " has the " +
                         std::to_string(kFewestToFit + kFewestToTest) +
-                        " clips that a test needs: some to fit to and unseen others");
+                        " clips that a test needs: some to fit to and unseen others (" +
+                        evaluation.left_out[0].second + ")");
   return classes;
 }
 
@@ -231,6 +262,15 @@ PostureClusters clusters_of(const std::vector<TestedClass>& classes,
 }
 
 }  // namespace
+
+Json evaluation_settings(const EvaluationOptions& options) {
+  Json settings = settings_json(options);
+  for (const Json& more : {settings_json(options.landmarks), settings_json(options.align),
+                           settings_json(options.options)})
+    settings.update(more);
+  settings["data"] = options.data.string();
+  return settings;
+}
 
 MotionPart parse_part(const std::string& text) {
   const std::vector<std::string> ends = split(text, '-');
@@ -311,7 +351,9 @@ Evaluation evaluate_emulation(const EvaluationOptions& options, bool curves) {
     for (std::int64_t k = 1; k < options.splits; ++k) {
       const std::int64_t seed = options.seed + k;
       const std::vector<ClassMotions> again =
-          parts_of(one.named, prepare_split(dataset, one.named, options, seed), parts, options);
+          parts_of(one.named,
+                   prepare_split(dataset, split_class(dataset, one.named, options, seed), options),
+                   parts, options);
       test_further_split(again, schemes, test_options(options, seed), progress, pointers);
     }
     for (ClassReport& report : reports) evaluation.classes.push_back(std::move(report));

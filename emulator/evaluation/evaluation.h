@@ -60,6 +60,9 @@ struct EvaluationOptions {
   }
 };
 
+// All of them in one object, with "data", the dataset's folder.
+Json evaluation_settings(const EvaluationOptions& options);
+
 // Share [from, to] of a motion's time.
 struct MotionPart {
   double from = 0, to = 1;

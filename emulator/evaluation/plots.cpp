@@ -8,7 +8,7 @@
 #include "common/files.h"
 #include "numeric/quantiles.h"
 #include "numeric/scaling.h"
-#include "viewer/html.h"
+#include "viewer/report_page.h"
 
 namespace mocaplm {
 
@@ -147,6 +147,15 @@ Plot clusters_plot(const PostureClusters& clusters) {
   return plot;
 }
 
+Table settings_table(const EvaluationOptions& options) {
+  Table table("Settings", {"setting", "value"});
+  const Json settings = evaluation_settings(options);
+  for (const auto& item : settings.items())
+    table.row({item.key(),
+               item.value().is_string() ? item.value().get<std::string>() : item.value().dump()});
+  return table;
+}
+
 bool has_points(const Plot& plot) {
   for (const PlotSeries& series : plot.series)
     for (const PlotPoint& point : series.points)
@@ -177,28 +186,6 @@ void class_plots(const ClassReport& one, std::vector<NamedPlot>& plots) {
   }
 }
 
-constexpr const char* kPage = R"(<!doctype html>
-<html lang="en"><head><meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{{title}}</title>
-<style>
-body { font: 15px/1.45 sans-serif; margin: 24px auto; max-width: 1240px; padding: 0 16px;
-  color: #222; background: #fff; }
-figure.table { overflow-x: auto; margin: 0 0 24px; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-caption { text-align: left; font-weight: 600; padding: 4px 0; }
-th, td { padding: 3px 10px; border-bottom: 1px solid #ddd; text-align: right; }
-th[scope=row], th:first-child { text-align: left; }
-figure.table p { color: #555; margin: 4px 0; }
-.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(380px, 1fr)); gap: 12px; }
-.plots svg { width: 100%; height: auto; border: 1px solid #ddd; }
-</style></head><body>
-<h1>{{title}}</h1>
-<p>{{note}}</p>
-{{body}}
-</body></html>
-)";
-
 }  // namespace
 
 std::string file_stem(const std::string& text) {
@@ -224,31 +211,21 @@ std::vector<NamedPlot> evaluation_plots(const Evaluation& evaluation) {
 
 void write_report(const std::filesystem::path& out, const Evaluation& evaluation,
                   const std::vector<Table>& tables) {
-  std::string body, chapter;
-  for (const Table& table : tables) body += html_table(table);
-  bool open = false;
+  ReportPage page;
+  page.title = "Emulated motions of " + evaluation.options.data.string();
+  if (evaluation.procedural) page.note = "procedural dances made by this program";
+  page.tables = tables;
+  page.tables.push_back(settings_table(evaluation.options));
   for (const NamedPlot& one : evaluation_plots(evaluation)) {
     const std::string svg = plot_svg(one.plot);
     write_file(out / "plots" / (one.name + ".svg"), svg, Flush::later);
-    if (!open || one.chapter != chapter) {
-      body += open ? "</div>\n" : "";
-      body += "<h2>" + escape_html(one.chapter.empty() ? "Posture clusters" : one.chapter) +
-              "</h2>\n<div class=\"plots\">\n";
-      open = true;
-      chapter = one.chapter;
-    }
-    body += svg;
+    const std::string chapter = one.chapter.empty() ? "Posture clusters" : one.chapter;
+    if (page.chapters.empty() || page.chapters.back().title != chapter)
+      page.chapters.push_back({chapter, {}});
+    page.chapters.back().pictures.push_back(svg);
   }
-  body += open ? "</div>\n" : "";
-  const std::string note = evaluation.procedural
-                               ? "The data are procedural dances made by this program, not motion "
-                                 "capture."
-                               : "";
-  write_file(out / "report.html",
-             fill_template(kPage, {{"title", "Emulated motions of " +
-                                                 escape_html(evaluation.options.data.string())},
-                                   {"note", note},
-                                   {"body", body}}));
+  write_report_page(out / "report.html", page);
+  save_json(out / "settings.json", evaluation_settings(evaluation.options));
 }
 
 }  // namespace mocaplm

@@ -25,8 +25,9 @@ std::string file_stem(const std::string& text);
 // likelihoods (19); for all: how the number of posture clusters was found.
 std::vector<NamedPlot> evaluation_plots(const Evaluation& evaluation);
 
-// OUT/report.html with all tables and plots, which are also in OUT/plots/NAME.svg. Files of these
-// names are replaced. Throws DataError when the disk refuses.
+// OUT/report.html with all tables, plots and settings; the plots are also in OUT/plots/NAME.svg,
+// the settings in OUT/settings.json. Files of these names are replaced. Throws DataError when the
+// disk refuses.
 void write_report(const std::filesystem::path& out, const Evaluation& evaluation,
                   const std::vector<Table>& tables);
 

@@ -15,18 +15,6 @@ namespace {
 
 using Eigen::Index;
 
-// log_likelihood of each, by the number of coefficients, so that schemes can stand in one plot.
-std::vector<double> likelihoods(const Emulator& emulator,
-                                const std::vector<PostureSequence>& sequences, int threads) {
-  std::vector<double> all(sequences.size());
-  parallel_for(sequences.size(), threads, [&](std::size_t i) {
-    const auto d =
-        static_cast<double>(std::max<Index>(1, emulator.coefficients(sequences[i]).size()));
-    all[i] = emulator.log_likelihood(sequences[i]) / d;
-  });
-  return all;
-}
-
 void test_normality(const Emulator& emulator, const std::vector<PostureSequence>& fit,
                     SchemeResult& result) {
   const std::string& reduction = emulator.scheme().reduction;
@@ -78,6 +66,16 @@ void compare_distances(const ClassMotions& motions, const SchemeTestOptions& opt
 }
 
 }  // namespace
+
+std::vector<double> likelihoods(const Emulator& emulator,
+                                const std::vector<PostureSequence>& sequences, int threads) {
+  std::vector<double> all(sequences.size());
+  parallel_for(sequences.size(), threads, [&](std::size_t i) {
+    const auto d = static_cast<double>(emulator.coefficients(sequences[i]).size());
+    all[i] = emulator.log_likelihood(sequences[i]) / std::max(1.0, d);
+  });
+  return all;
+}
 
 ClassMotions::ClassMotions(std::string name, std::vector<PostureSequence> fit,
                            std::vector<PostureSequence> test, int threads)

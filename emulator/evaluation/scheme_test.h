@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "emulator/distances.h"
 #include "emulator/emulator.h"
 #include "emulator/evaluation/clusters.h"
-#include "emulator/evaluation/distances.h"
 #include "numeric/energy.h"
 #include "numeric/symbols.h"
 
@@ -43,6 +43,10 @@ Eigen::MatrixXd joined_distances(const Eigen::MatrixXd& a, const Eigen::MatrixXd
 double mean_pair(const Eigen::MatrixXd& distances);
 // Median over rows of the smallest entry, without the diagonal where rows are columns.
 double median_nearest(const Eigen::MatrixXd& distances, bool without_self = false);
+
+// log_likelihood of each, by the number of its coefficients, so that schemes can stand in one plot.
+std::vector<double> likelihoods(const Emulator& emulator,
+                                const std::vector<PostureSequence>& sequences, int threads);
 
 struct QuantisedSettings {
   int window = 20, step = 10;  // of the transition matrices, frames

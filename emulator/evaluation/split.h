@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "emulator/emulator.h"
 #include "motion/dataset.h"
 
 namespace mocaplm {
 
-// The fewest that a scheme can be fitted to and that a sample can have.
-constexpr std::size_t kFewestToFit = 3, kFewestToTest = 2;
+// The fewest clips that a scheme can be fitted to, and that a sample can have.
+constexpr std::size_t kFewestToFit = kFewestMotions, kFewestToTest = 2;
 
 struct ClipSplit {
   std::vector<DatasetEntry> fit, test;  // each by name

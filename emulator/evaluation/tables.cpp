@@ -61,7 +61,7 @@ Table p_table(const Evaluation& evaluation) {
   table.note("real: clips fitted to against unseen ones; the others: " +
              std::to_string(options.samples) + " simulated motions against unseen clips; " +
              std::to_string(options.permutations) + " permutations");
-  for (const auto& [name, why] : evaluation.left_out) table.note("left out: " + name + " " + why);
+  for (const auto& left_out : evaluation.left_out) table.note("left out: " + left_out.second);
   if (evaluation.procedural) table.note("the data are procedural dances, not motion capture");
   return table;
 }
@@ -114,20 +114,25 @@ Table fitted_table(const Evaluation& evaluation) {
   return table;
 }
 
+// One row a model of level one, one column a model of level two: all rows have the same.
 Table two_level_table(const Evaluation& evaluation) {
-  std::vector<std::string> names = {first_column(evaluation.options)};
-  for (const TwoLevelResult& result : evaluation.classes[0].two_level)
-    names.push_back(result.level_one + " > " + result.level_two);
-  Table table("Table 3: p-values of the two-level simulation, level one > level two", names);
-  table.digits(std::vector<int>(names.size(), 4));
-  for (const ClassReport& one : evaluation.classes) {
-    std::vector<Json> row = {one.name};
-    for (const TwoLevelResult& result : one.two_level) row.push_back(result.test.p);
-    table.row(std::move(row));
-  }
+  std::vector<std::string> names = {first_column(evaluation.options), "level one"};
+  const std::vector<std::string> models = TwoLevelOptions().level_two;
+  names.insert(names.end(), models.begin(), models.end());
+  Table table("Table 3: p-values of the two-level simulation, by the model of level two", names);
+  std::vector<int> digits(names.size(), 4);
+  digits[0] = digits[1] = -1;
+  table.digits(digits);
+  for (const ClassReport& one : evaluation.classes)
+    for (std::size_t i = 0; i < one.two_level.size(); i += models.size()) {
+      std::vector<Json> row = {one.name, one.two_level[i].level_one};
+      for (std::size_t k = 0; k < models.size(); ++k) row.push_back(one.two_level[i + k].test.p);
+      table.row(std::move(row));
+    }
   table.note(std::to_string(evaluation.options.level_one) + " motions of level one, " +
              std::to_string(evaluation.options.level_two) +
-             " of them set aside and compared with as many of level two");
+             " of them set aside and compared with as many of level two; IG and MVG with the "
+             "representation of level one");
   return table;
 }
 
@@ -170,20 +175,20 @@ Table transitions_table(const Evaluation& evaluation) {
 }
 
 Table difference_table(const Evaluation& evaluation) {
-  Table table(
-      "How simulated motions differ from unseen ones",
-      {"class and scheme", "d1", "d2", "p", "statistic", "spread", "nearest", "roughness",
-       "log L fit", "log L unseen", "log L sim", "gap", "normal", "least normal", "diverged"});
-  table.digits({-1, -1, -1, 3, 4, 3, 3, 3, 3, 3, 3, 3, 3, 3, -1});
+  Table table("How simulated motions differ from unseen ones",
+              {first_column(evaluation.options), "scheme", "d1", "d2", "p", "statistic", "spread",
+               "nearest", "roughness", "log L fit", "log L unseen", "log L sim", "gap", "normal",
+               "least normal", "diverged"});
+  table.digits({-1, -1, -1, -1, 3, 4, 3, 3, 3, 3, 3, 3, 3, 3, 3, -1});
   const auto median = [](const std::vector<double>& values) {
     return values.empty() ? Json(nullptr) : number_or_null(median_of(values));
   };
   for (const ClassReport& one : evaluation.classes) {
-    table.row({one.name + ", real", nullptr, nullptr, one.real.p, one.real.statistic,
-               one.real_spread, 1, one.real_roughness, nullptr, nullptr, nullptr, nullptr, nullptr,
-               nullptr, nullptr});
+    table.row({one.name, "real", nullptr, nullptr, one.real.p, one.real.statistic,
+               number_or_null(one.real_spread), 1, number_or_null(one.real_roughness), nullptr,
+               nullptr, nullptr, nullptr, nullptr, nullptr, nullptr});
     for (const SchemeResult& scheme : one.schemes)
-      table.row({one.name + ", " + scheme.scheme, scheme.d1, scheme.d2, scheme.unseen.p,
+      table.row({one.name, scheme.scheme, scheme.d1, scheme.d2, scheme.unseen.p,
                  scheme.unseen.statistic, number_or_null(scheme.spread),
                  number_or_null(scheme.nearest), number_or_null(scheme.roughness),
                  median(scheme.likelihood_fit), median(scheme.likelihood_test),

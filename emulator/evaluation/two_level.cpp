@@ -1,27 +1,13 @@
 #include "emulator/evaluation/two_level.h"
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 
-#include "common/parallel.h"
 #include "common/random.h"
 #include "numeric/quantiles.h"
 
 namespace mocaplm {
 
 namespace {
-
-// Log-density a coefficient under the model of level one.
-std::vector<double> likelihoods(const Emulator& emulator,
-                                const std::vector<PostureSequence>& sequences, int threads) {
-  std::vector<double> all(sequences.size());
-  parallel_for(sequences.size(), threads, [&](std::size_t i) {
-    const auto d = static_cast<double>(emulator.d1() * emulator.d2());
-    all[i] = emulator.log_likelihood(sequences[i]) / std::max(1.0, d);
-  });
-  return all;
-}
 
 std::string level_two_name(const std::string& level_one, const std::string& model) {
   return model == "PWI" ? model : level_one.substr(0, level_one.rfind('/') + 1) + model;

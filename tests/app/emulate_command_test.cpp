@@ -5,6 +5,7 @@
 #include "common/files.h"
 #include "common/json.h"
 #include "motion/formats/formats.h"
+#include "support/small_dataset.h"
 #include "temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -66,6 +67,28 @@ TEST_F(EmulateCommand, WhatCannotBeIsRefused) {
   write_file(folder_ / "x.json", "{\"format\": \"mocaplm tokenizer\"}");
   expect("emulate sample " + at("x.json") + " --out " + at("y"), 3, "is no emulator");
   EXPECT_FALSE(fs::exists(folder_ / "y.npz"));
+}
+
+TEST_F(EmulateCommand, TooLittleToFitToIsNamed) {
+  std::vector<SmallClip> clips;
+  for (int i = 0; i < 7; ++i)
+    clips.push_back({"clip" + std::to_string(i),
+                     i < 2 ? "test" : "train",
+                     i == 6 ? 1 : 12,
+                     {{"content", i < 5    ? "walk"
+                                  : i == 5 ? "jump"
+                                           : "stand"}}});
+  write_dataset(folder_ / "d", clips);
+  const std::string fit = "emulate fit " + at("d") + " --out " + at("m.json") +
+                          " --align none --frames 8 --scheme SIEM/SequentialPCA/MVG ";
+  expect(fit + "--where content=jump", 3, "content=jump has 1 clip in the split train");
+  expect(fit + "--where content=walk --split test", 3, "has 2 clips in the split test");
+  expect(fit + "--where content=stand --split all", 3, "has 1 clip, expected 3 or more");
+  expect(fit + "--split all", 3, "clip6: a clip of one frame is no motion");
+  EXPECT_FALSE(fs::exists(folder_ / "m.json"));
+  // Fewer clips than components: as many as there are, and it is said.
+  expect(fit + "--where content=walk --split all", 0, "10 x 4");
+  expect(fit + "--where content=walk --split all", 0, "fewer components than asked for");
 }
 
 }  // namespace

@@ -63,6 +63,35 @@ TEST_F(EmulateTestCommand, WhatCannotBeIsRefused) {
   EXPECT_EQ(none.code, 3) << none.text;
 }
 
+// Clips of one frame and of one motion again and again.
+TEST_F(EmulateTestCommand, ClipsWithoutMotionOrVariationAreNamed) {
+  std::vector<SmallClip> clips;
+  for (int i = 0; i < 12; ++i) {
+    const bool same = i >= 6;
+    clips.push_back({"c" + std::to_string(10 + i),
+                     "train",
+                     12,
+                     {{"content", same ? "same" : "walk"}},
+                     20,
+                     same ? 5u : 0u});
+  }
+  write_dataset(folder_ / "same", clips);
+  const std::string test = "emulate test " + at("same") +
+                           " --label content --align none --frames 8 --level-one 0 --postures 40 "
+                           "--permutations 29 --window 4 --step 2 --scheme SIEM/SequentialPCA/MVG ";
+  const Ran all = run_mocaplm(test);
+  EXPECT_EQ(all.code, 0) << all.text;
+  EXPECT_NE(all.text.find("left out: same of "), std::string::npos) << all.text;
+  const Ran one = run_mocaplm(test + "--values same");
+  EXPECT_EQ(one.code, 3) << one.text;
+  EXPECT_NE(one.text.find("there is no variation to emulate"), std::string::npos) << one.text;
+  clips[3].frames = 1;
+  write_dataset(folder_ / "same", clips);
+  const Ran still = run_mocaplm(test);
+  EXPECT_EQ(still.code, 3) << still.text;
+  EXPECT_NE(still.text.find("c13.npz: has one frame"), std::string::npos) << still.text;
+}
+
 // A dataset none of whose classes has enough clips.
 TEST_F(EmulateTestCommand, NothingToSplitIsSaid) {
   std::vector<SmallClip> clips;

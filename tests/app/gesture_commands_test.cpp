@@ -118,6 +118,23 @@ TEST_F(Gesture, ClipsGiveAJointsPath) {
   refused("fit " + at("data") + " x.csv --out " + at("m.json"), 2, "not both");
 }
 
+TEST_F(Gesture, ClipsThatTeachNothingAreNamed) {
+  std::vector<SmallClip> clips;
+  for (int i = 0; i < 10; ++i)
+    clips.push_back({"c" + std::to_string(i),
+                     "train",
+                     i == 9 ? 1 : 30,
+                     {{"content", i < 8    ? "walk"
+                                  : i == 8 ? "jump"
+                                           : "stand"}}});
+  write_dataset(folder_ / "data", clips);
+  const std::string test = "test " + at("data") + " --where content=";
+  refused(test + "jump", 3, "has 1 demonstration, but 6 conditions");
+  refused(test + "stand", 3, "c9: has one frame, a movement has several");
+  // The pelvis stays where paths are measured from.
+  refused(test + "walk --joint pelvis --conditions duration", 3, "coordinate \"x\" is");
+}
+
 TEST_F(Gesture, BadInputIsAClearAnswer) {
   write_file(folder_ / "one.csv", "time,x\n0,1\n");
   refused("fit " + at("one.csv") + " --out " + at("m.json"), 3, "one sample");

@@ -192,7 +192,44 @@ TEST(Coefficients, CopulaKeepsMarginalsAndDependence) {
   EXPECT_NEAR(concordance(drawn), concordance(x), 0.15);
 }
 
-// The density of each kernel with its covariance written out.
+// A mixture's means (M, d) and covariances, written out from emulator/local.h.
+struct PlainKernels {
+  Eigen::MatrixXd centres;
+  std::vector<Eigen::MatrixXd> covariances;
+};
+
+PlainKernels plain_kernels(const Eigen::MatrixXd& x, int k, double spread, double floor) {
+  const auto m = static_cast<int>(x.rows());
+  PlainKernels kernels;
+  kernels.centres.resize(m, x.cols());
+  const Eigen::VectorXd variances = covariance(x).diagonal();
+  Eigen::VectorXd around = Eigen::VectorXd::Zero(x.cols());
+  for (int i = 0; i < m; ++i) {
+    std::vector<std::pair<double, int>> order;
+    for (int j = 0; j < m; ++j) order.emplace_back((x.row(i) - x.row(j)).norm(), j);
+    std::sort(order.begin(), order.end());
+    Eigen::MatrixXd near(k + 1, x.cols());
+    for (int j = 0; j <= k; ++j) near.row(j) = x.row(order[static_cast<std::size_t>(j)].second);
+    const Eigen::RowVectorXd mean = near.colwise().mean();
+    kernels.centres.row(i) = mean + std::sqrt(1 - spread * spread) * (x.row(i) - mean);
+    kernels.covariances.push_back(spread * spread * (1 - floor) * covariance(near));
+    around += covariance(near).diagonal() / m;
+  }
+  for (Eigen::MatrixXd& c : kernels.covariances) c.diagonal() += spread * spread * floor * around;
+  // The whole is brought back to the samples' mean and variances, coefficient by coefficient.
+  const Eigen::RowVectorXd middle = kernels.centres.colwise().mean();
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(x.cols(), x.cols());
+  for (int i = 0; i < m; ++i) {
+    const Eigen::RowVectorXd away = kernels.centres.row(i) - middle;
+    whole += (away.transpose() * away + kernels.covariances[static_cast<std::size_t>(i)]) / m;
+  }
+  const Eigen::VectorXd back = variances.cwiseQuotient(whole.diagonal()).cwiseSqrt();
+  kernels.centres =
+      ((kernels.centres.rowwise() - middle) * back.asDiagonal()).rowwise() + x.colwise().mean();
+  for (Eigen::MatrixXd& c : kernels.covariances) c = back.asDiagonal() * c * back.asDiagonal();
+  return kernels;
+}
+
 TEST(Coefficients, LocalKernelsPlainly) {
   const Eigen::MatrixXd x = correlated(12, 3);
   SchemeOptions options;
@@ -200,29 +237,47 @@ TEST(Coefficients, LocalKernelsPlainly) {
   options.spread = 0.7;
   options.floor = 0.3;
   const auto model = fit_coefficients("Local", x, options);
-  const Eigen::MatrixXd shared = covariance(x).diagonal().asDiagonal();
+  const PlainKernels plain = plain_kernels(x, 4, 0.7, 0.3);
   const Eigen::VectorXd at = x.row(5).transpose() + Eigen::Vector3d(0.1, -0.2, 0.05);
-  Eigen::MatrixXd mean_covariance = Eigen::MatrixXd::Zero(3, 3);
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(3, 3);
   double sum = 0;
   for (int i = 0; i < 12; ++i) {
-    std::vector<std::pair<double, int>> order;
-    for (int j = 0; j < 12; ++j)
-      if (j != i) order.emplace_back((x.row(i) - x.row(j)).norm(), j);
-    std::sort(order.begin(), order.end());
-    Eigen::MatrixXd c = 0.3 * 0.3 * shared;
-    for (int k = 0; k < 4; ++k) {
-      const Eigen::VectorXd away =
-          (x.row(order[static_cast<std::size_t>(k)].second) - x.row(i)).transpose();
-      c += 0.7 * 0.7 / 4 * away * away.transpose();
-    }
-    mean_covariance += c / 12;
-    sum += std::exp(plain_log_density(at, x.row(i).transpose(), c)) / 12;
+    const Eigen::MatrixXd& c = plain.covariances[static_cast<std::size_t>(i)];
+    const Eigen::RowVectorXd away = plain.centres.row(i) - x.colwise().mean();
+    expected += (away.transpose() * away + c) / 12;
+    sum += std::exp(plain_log_density(at, plain.centres.row(i).transpose(), c)) / 12;
   }
   EXPECT_NEAR(model->log_density(at), std::log(sum), 1e-6);
   const Eigen::MatrixXd drawn = draw(*model, 60000);
-  const Eigen::MatrixXd expected = covariance(x) * 11 / 12 + mean_covariance;
   EXPECT_LT((covariance(drawn) - expected).norm(), 0.03 * expected.norm());
   EXPECT_LT((drawn.colwise().mean() - x.colwise().mean()).norm(), 0.05);
+}
+
+// Whatever the kernels' width, each coefficient varies as in the data, and so does each cluster:
+// kernels added to the samples would make it wider by a third at spread 1.
+TEST(Coefficients, LocalKeepsTheVarianceOfTheWholeAndOfClusters) {
+  Random random(8);
+  Eigen::MatrixXd x(80, 6);
+  for (int k = 0; k < 80; ++k)
+    for (int i = 0; i < 6; ++i) x(k, i) = random.normal() * (i + 1) + (k < 40 ? 0 : 60);
+  for (const double spread : {0.1, 0.7, 1.0}) {
+    SchemeOptions options;
+    options.spread = spread;
+    options.neighbours = 8;
+    const Eigen::MatrixXd drawn = draw(*fit_coefficients("Local", x, options), 40000);
+    const Eigen::VectorXd ratio =
+        covariance(drawn).diagonal().cwiseQuotient(covariance(x).diagonal());
+    EXPECT_LT((ratio.array() - 1).abs().maxCoeff(), 0.02) << spread;
+    // The first cluster's.
+    std::vector<Eigen::Index> own;
+    for (Eigen::Index k = 0; k < drawn.rows(); ++k)
+      if (drawn.row(k).mean() < 30) own.push_back(k);
+    EXPECT_NEAR(static_cast<double>(own.size()) / 40000, 0.5, 0.01);
+    Eigen::MatrixXd cluster(static_cast<Eigen::Index>(own.size()), 6);
+    for (std::size_t k = 0; k < own.size(); ++k)
+      cluster.row(static_cast<Eigen::Index>(k)) = drawn.row(own[k]);
+    EXPECT_NEAR(covariance(cluster).trace() / covariance(x.topRows(40)).trace(), 1, 0.15) << spread;
+  }
 }
 
 TEST(Coefficients, StratifiedDrawsHaveTheirShare) {
@@ -259,7 +314,7 @@ TEST(Coefficients, FilesGiveThemBack) {
     EXPECT_NEAR(model->log_density(x.row(0).transpose()), again->log_density(x.row(0).transpose()),
                 1e-9);
     Json broken = model->json();
-    broken[name == "Local" ? "deviations" : "factor"]["values"][0] = -1;
+    broken[name == "Local" ? "neighbours" : "factor"]["values"][0] = -1;
     EXPECT_THROW(read_coefficients(broken, "x"), DataError) << name;
   }
 }

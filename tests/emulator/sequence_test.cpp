@@ -26,21 +26,6 @@ TEST(Sequence, DistancesArePlainSums) {
   EXPECT_NEAR(sequence_distance(a, b), all / 9, 1e-9);
 }
 
-TEST(Sequence, DistanceMatrixIsOfAllPairs) {
-  Random random(2);
-  std::vector<PostureSequence> sequences;
-  for (int k = 0; k < 7; ++k) sequences.push_back(random_sequence(random, 3, 5));
-  for (const int threads : {1, 3}) {
-    const Eigen::MatrixXd distances = distance_matrix(sequences, threads);
-    for (int i = 0; i < 7; ++i)
-      for (int j = 0; j < 7; ++j)
-        EXPECT_NEAR(distances(i, j),
-                    sequence_distance(sequences[static_cast<std::size_t>(i)],
-                                      sequences[static_cast<std::size_t>(j)]),
-                    i == j ? 1e-15 : 0);
-  }
-}
-
 TEST(Sequence, LimbsAreOnTheirOwn) {
   Random random(3);
   const Posture y = random_posture(random, 5), z = random_posture(random, 5);

@@ -7,6 +7,7 @@
 #include "classify/config.h"
 #include "common/files.h"
 #include "common/settings.h"
+#include "emulator/evaluation/evaluation.h"
 #include "generate/sampler.h"
 #include "gesture/config.h"
 #include "gesture/juggling/config.h"
@@ -155,6 +156,13 @@ TEST(SettingsDocument, Interpolate) {
 
 TEST(SettingsDocument, Import) {
   expect_documented("import", rows_of(ImportConfig()));
+}
+
+TEST(SettingsDocument, Emulate) {
+  expect_documented("emulate: motions", rows_of(LandmarkOptions()));
+  expect_documented("emulate: alignment", rows_of(AlignOptions()));
+  expect_documented("emulate: schemes", rows_of(SchemeOptions()));
+  expect_documented("emulate test", rows_of(EvaluationOptions()));
 }
 
 TEST(SettingsDocument, Gesture) {

@@ -150,6 +150,24 @@ TEST(Evaluation, RefusesClipsOfOneFrameByName) {
   EXPECT_TRUE(contains(text, "clip3.npz: has one frame, expected two or more")) << text;
 }
 
+// Clips of one group are not separated: where there is one group, there is nothing unseen.
+TEST(Evaluation, LeavesOutWhatCannotBeSplit) {
+  const TemporaryFolder folder;
+  Dataset dataset = small_dataset(folder / "data");
+  for (DatasetEntry& entry : dataset.entries)
+    if (entry.labels.at("content") == "run") entry.group = "all of it";
+  save_dataset(dataset);
+  EvaluationOptions options = quick(folder / "data");
+  options.level_one = 0;
+  const Evaluation evaluation = evaluate_emulation(options, false);
+  ASSERT_EQ(evaluation.classes.size(), 1u);
+  ASSERT_EQ(evaluation.left_out.size(), 2u);
+  EXPECT_EQ(evaluation.left_out[1].first, "run");
+  EXPECT_TRUE(contains(evaluation.left_out[1].second, "1 group")) << evaluation.left_out[1].second;
+  options.values = {"run"};
+  EXPECT_TRUE(contains(refusal([&] { evaluate_emulation(options, false); }), "1 group"));
+}
+
 TEST(Parts, AreSharesOfTheTime) {
   Random random(1);
   const PostureSequence s = random_motion(2, 11, random);

@@ -87,6 +87,31 @@ TEST(TestScheme, FindsAGaussianOutThatCoversTwoClusters) {
   EXPECT_LT(mvg.normal_least, 0.93);
 }
 
+// Fewer clips than components, and a limb that never moves: every scheme still gives numbers.
+TEST(TestScheme, BearsFewClipsAndConstantLimbs) {
+  std::vector<PostureSequence> fit = random_motions(5, 4, 14, 8),
+                               test = random_motions(3, 4, 14, 9);
+  for (auto* all : {&fit, &test})
+    for (PostureSequence& one : *all)
+      one.values.middleRows<3>(6).colwise() = Eigen::Vector3d::UnitX();
+  const ClassMotions motions("class", fit, test, 2);
+  SchemeTestOptions options = quick();
+  options.scheme.d1 = options.scheme.d2 = 50;
+  options.scheme.order = 2;
+  options.samples = 6;
+  for (const char* name :
+       {"SIEM/SequentialPCA/MVG", "IS-TVF/SequentialPCA/IG", "SIEM/SequentialPCA/Local",
+        "SIEM/SequentialPCA/Copula", "SIEM/MPCA/IG", "SIEM/SpatialPCA/VAR", "PWI"}) {
+    const SchemeResult result = test_scheme(motions, parse_scheme(name), options);
+    EXPECT_LE(result.d1, 8) << name;
+    EXPECT_LE(result.d2, 14) << name;
+    EXPECT_GT(result.unseen.p, 0) << name;
+    EXPECT_TRUE(std::isfinite(result.spread) && std::isfinite(result.nearest)) << name;
+    for (const double likelihood : result.likelihood_test)
+      EXPECT_TRUE(std::isfinite(likelihood)) << name;
+  }
+}
+
 TEST(Reconstruction, ErrorFallsWithComponents) {
   const ClassMotions motions("class", random_motions(20, 6, 20, 5), random_motions(10, 6, 20, 6),
                              2);

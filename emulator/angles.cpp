@@ -1,6 +1,6 @@
-#include "emulator/evaluation/angles.h"
+#include "emulator/angles.h"
 
-#include "emulator/evaluation/angles_body.h"
+#include "emulator/angles_body.h"
 
 namespace mocaplm {
 

@@ -1,4 +1,4 @@
-#include "emulator/evaluation/distances.h"
+#include "emulator/distances.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/random.h"
-#include "emulator/evaluation/angles.h"
+#include "emulator/angles.h"
 #include "support/refusal.h"
 
 namespace mocaplm {

@@ -1,5 +1,5 @@
 // The loop for AVX2 with FMA; called only after the processor was asked.
-#include "emulator/evaluation/angles_body.h"
+#include "emulator/angles_body.h"
 
 namespace mocaplm {
 

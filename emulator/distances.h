@@ -8,7 +8,7 @@
 
 namespace mocaplm {
 
-// Rows of postures, as emulator/evaluation/angles.h wants them.
+// Rows of postures, as emulator/angles.h wants them.
 class PackedPostures {
  public:
   // Each sequence is a row: all have the same limbs and frames. Throws DataError otherwise, or when

@@ -1,4 +1,4 @@
-#include "emulator/evaluation/distances.h"
+#include "emulator/distances.h"
 
 #include <cassert>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "common/error.h"
 #include "common/parallel.h"
-#include "emulator/evaluation/angles.h"
+#include "emulator/angles.h"
 
 namespace mocaplm {
 
