@@ -33,6 +33,7 @@ void run(const CLI::App& app, FilterCommand& command) {
   page.motions.push_back({"original", clip, {}, {}, "The clip: " + command.clip});
   page.motions.push_back({"filtered", result.filtered, {}, {}, table.title()});
   page.tables.push_back(table);
+  add_settings(page, settings_json(command.config));
   const std::vector<std::string> files = command.files.write(
       result.filtered, page, {{"original", clip}, {"filtered", result.filtered}}, kHannFrames,
       kHannHop);

@@ -31,10 +31,7 @@ void run(InterpolateCommand& command) {
   page.motions.push_back({"target", result.target, {}, {}, "The second clip: " + command.b});
   page.tables.push_back(table);
   const Json settings = settings_json(command.config);
-  for (const auto& item : settings.items())
-    page.settings.emplace_back(item.key(), item.value().is_string()
-                                               ? item.value().get<std::string>()
-                                               : item.value().dump());
+  add_settings(page, settings);
   const std::vector<std::string> files = command.files.write(
       result.result, page,
       {{"original", result.original}, {"target", result.target}, {"interpolated", result.result}},

@@ -53,11 +53,7 @@ void write_query_page(const QueryResult& result, const QueryCommand& command, co
                             match.clip + " from " + format_fixed(match.from, 2) + " s, " + value});
   }
   page.tables.push_back(table);
-  const Json settings = settings_json(command.options.config);
-  for (const auto& item : settings.items())
-    page.settings.emplace_back(item.key(), item.value().is_string()
-                                               ? item.value().get<std::string>()
-                                               : item.value().dump());
+  add_settings(page, settings_json(command.options.config));
   write_page(command.page, page);
 }
 

@@ -167,7 +167,7 @@ class View {
     return {actor, x: at.x - actor.nameWidth / 2, y, z: at.z};
   }
 
-  // A name that would cover one of a nearer figure moves up.
+  // A name that would cover one of a nearer figure moves away from its own figure.
   placeNames() {
     const spots = this.actors.map((actor, i) => this.nameSpot(actor, i)), placed = [];
     for (const spot of spots.sort((a, b) => a.z - b.z)) {
@@ -175,7 +175,7 @@ class View {
       const covers = (other) => spot.x < other.x + other.actor.nameWidth && other.x < right &&
           Math.abs(spot.y - other.y) < NAME_HEIGHT;
       for (let other = placed.find(covers); other; other = placed.find(covers)) {
-        spot.y = other.y - NAME_HEIGHT - .1;
+        spot.y = other.y + (spot.actor.row ? -1 : 1) * (NAME_HEIGHT + .1);
       }
       style.visibility = spot.z > 1 ? 'hidden' : 'visible';
       style.transform = `translate(${spot.x.toFixed(1)}px, ${spot.y.toFixed(1)}px)`;
