@@ -159,9 +159,7 @@ Page classification_page(const ClassifyOptions& options, const ClassifyResult& r
                    {"data", options.data.string()},
                    {"split", options.split},
                    {"time", format_duration(result.seconds)}};
-  const Json settings = settings_json(options.config);
-  for (const auto& [name, value] : settings.items())
-    page.settings.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
+  add_settings(page, settings_json(options.config));
   return page;
 }
 

@@ -35,7 +35,7 @@ void run(const CLI::App& app, FilterCommand& command) {
   page.tables.push_back(table);
   Json settings = settings_json(command.config);
   if (command.config.keep == "low") settings.erase("from_hz");
-  add_settings(settings, page);
+  add_settings(page, settings);
   const std::vector<std::string> files = command.files.write(
       result.filtered, page, {{"original", clip}, {"filtered", result.filtered}}, kHannFrames,
       kHannHop);

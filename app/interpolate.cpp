@@ -44,7 +44,7 @@ Page page_of(const InterpolateCommand& command, const InterpolateResult& result,
   page.motions.push_back({"interpolated", result.result, {}, {}, table.title()});
   page.motions.push_back({"target", result.target, {}, {}, "The second clip: " + command.b});
   page.tables.push_back(table);
-  add_settings(settings_json(command.config), page);
+  add_settings(page, settings_json(command.config));
   return page;
 }
 

@@ -55,8 +55,8 @@ void write_query_page(const QueryResult& result, const QueryCommand& command, co
                                 " to the query from " + format_fixed(match.query_from, 2) + " s"});
   }
   page.tables.push_back(table);
-  add_settings(settings_json(command.options.query), page);
-  add_settings(settings_json(command.options.config), page);
+  add_settings(page, settings_json(command.options.query));
+  add_settings(page, settings_json(command.options.config));
   write_page(command.page, page);
 }
 

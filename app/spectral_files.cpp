@@ -66,13 +66,6 @@ std::string coefficients(const NamedClips& clips) {
 
 }  // namespace
 
-void add_settings(const Json& settings, Page& page) {
-  for (const auto& [name, value] : settings.items()) {
-    if (value.is_array() && value.empty()) continue;
-    page.settings.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
-  }
-}
-
 void SpectralFiles::check(const std::vector<std::string>& inputs) const {
   std::error_code missing;
   for (const std::string& file : generated_files(out)) {

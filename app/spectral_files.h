@@ -11,9 +11,6 @@ namespace mocaplm {
 
 using NamedClips = std::vector<std::pair<std::string, Clip>>;
 
-// Each setting beside its value, among the page's settings; empty lists are left out.
-void add_settings(const Json& settings, Page& page);
-
 // The files that may be asked for; each is empty or checked to be writable before work begins.
 struct SpectralFiles {
   std::string out, plot, spectrogram, json;  // a stem (generated_files), two .svg, a .json

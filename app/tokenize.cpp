@@ -75,13 +75,23 @@ Plot report_plot(const std::vector<ReportRow>& rows) {
 
 void run_report(const TokenizeCommand& command) {
   check_writable(command.plot);
+  check_writable(command.page);
   check_writable(command.json);
   std::string note;
   const std::vector<ReportRow> rows = tokenize_report(command.options, command.report, note);
   Table table = report_table(rows);
   table.note(note);
+  const Plot plot = report_plot(rows);
+  if (!command.page.empty()) {
+    Page page;
+    page.title = plot.title;
+    page.plots.push_back({plot_svg(plot), plot_table(plot)});
+    page.tables.push_back(table);
+    write_page(command.page, page);
+    table.note(command.page + ": the page");
+  }
   if (!command.plot.empty()) {
-    write_file(command.plot, plot_svg(report_plot(rows)));
+    write_file(command.plot, plot_svg(plot));
     table.note(command.plot + ": the plot");
   }
   print_table(table, command.json);
@@ -92,9 +102,9 @@ void run_tokenize(const CLI::App& app, TokenizeCommand& command) {
   if (!command.page.empty()) {
     check_page_path(command.page);
     check_writable(command.page);
-    if (!command.decode.empty() || !command.report.empty())
-      throw UsageError("--page shows clips beside their tokens: it cannot be combined with " +
-                       std::string(command.report.empty() ? "--decode" : "--report"));
+    if (!command.decode.empty())
+      throw UsageError(
+          "--page shows clips beside their tokens: it cannot be combined with --decode");
   }
   if (!command.decode.empty() && (!options.inputs.empty() || options.text))
     throw UsageError("--decode takes neither clips nor --text");
@@ -155,7 +165,8 @@ void add_tokenize(CLI::App& app) {
                        "given, \"tiles:60,keep:0.1,pca:42,lapped\", or a .json list of them");
   tokenize->add_option("--plot", command->plot, "write the report as an .svg picture, too");
   tokenize->add_option("--page", command->page,
-                       "also write a page with clips beside what their tokens say, .html");
+                       "also write a page with clips beside what their tokens say, or with the "
+                       "report, .html");
   tokenize->add_option("--json", command->json, "write the table as JSON, too");
   bind_options(*tokenize, options.config);
   bind_options(*tokenize, options.tiles);

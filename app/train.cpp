@@ -6,6 +6,7 @@
 #include "app/commands.h"
 #include "app/options.h"
 #include "app/training_page.h"
+#include "app/training_samples.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/text.h"
@@ -22,14 +23,16 @@ struct TrainCommand {
   std::string config_file, from;
   bool range_test = false;
   RangeTestConfig range;
+  SampleConfig samples;
   RunConfig given;  // what the command line says; only options that were used count
 };
 
 // A resumed run keeps its settings; options that would change them are refused, not ignored.
 void check_resume(const CLI::App& app) {
-  refuse_options_except(app, {"--out", "--resume", "--data", "--device", "--threads"},
-                        " cannot be given with --resume: a run goes on with its own settings "
-                        "(settings.json); start another one with --from");
+  refuse_options_except(
+      app, {"--out", "--resume", "--data", "--device", "--threads", "--sample-seconds"},
+      " cannot be given with --resume: a run goes on with its own settings "
+      "(settings.json); start another one with --from");
 }
 
 void run_range_test(const TrainCommand& command) {
@@ -86,6 +89,8 @@ void run_train(const CLI::App& app, TrainCommand& command) {
   if (!options.resume) std::printf("%s\n", to_json(options.config).dump(2).c_str());
   std::fflush(stdout);
   if (command.range_test) return run_range_test(command);
+  TrainingSamples samples(options.out, command.samples, options.threads);
+  options.on_validation = [&samples](const Validated& now) { samples.look(now); };
   const TrainResult result = train(options);
   std::printf(
       "%lld parameters, %lld steps in %s, %.0f tokens/s, waited %.1f s for data; best validation "
@@ -111,6 +116,7 @@ void add_train(CLI::App& app) {
       "instead of training raise the learning rate step by step, propose one, and write "
       "range_test.json and range_test.svg to --out");
   bind_options(*train->add_option_group("range test"), command->range);
+  bind_options(*train->add_option_group("samples"), command->samples);
   add_machine_options(*train, command->options.device, command->options.threads);
   bind_options(*train->add_option_group("tokenizer"), command->given.tokenizer);
   bind_options(*train->add_option_group("pieces", "of words, with --architecture flat"),

@@ -1,12 +1,17 @@
 #include "app/training_page.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
+#include "app/training_samples.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/json.h"
 #include "common/text.h"
+#include "model/directory.h"
+#include "motion/formats/formats.h"
+#include "viewer/assets.h"
 #include "viewer/plot.h"
 
 namespace fs = std::filesystem;
@@ -17,6 +22,8 @@ namespace {
 
 // More rows than these are thinned evenly, the last one kept.
 constexpr std::size_t kRows = 60;
+// Samples on the stage, beside the clip that they go on from.
+constexpr std::size_t kShownSamples = 5;
 
 std::vector<Json> read_log(const fs::path& path) {
   std::vector<Json> lines;
@@ -82,17 +89,34 @@ Table summary_table(const std::vector<Json>& log) {
   return table;
 }
 
-std::string text_of(const Json& value) {
-  return value.is_string() ? value.get<std::string>() : value.dump();
+// The validation that this log tells of the step; empty when there is none.
+std::string validation_text(const std::vector<Json>& log, std::int64_t step) {
+  for (const Json& line : log)
+    if (value(line, "step") == static_cast<double>(step))
+      return format_fixed(value(line, "validation_bits_per_frame"), 1) + " bits/frame";
+  return "";
 }
 
-// {"model": {"n_layer": 4}} as "n_layer", "4".
-void add_settings(const Json& json, Page& page) {
-  for (const auto& [name, inner] : json.items()) {
-    if (inner.is_object())
-      add_settings(inner, page);
-    else
-      page.settings.emplace_back(name, text_of(inner));
+// The clip that all samples go on from, and some of them, evenly chosen, the last one included.
+void add_samples(const fs::path& run, const std::vector<Json>& log, Page& page) {
+  const TrainingSampleFiles files = training_samples(run);
+  if (files.samples.empty() || assets::three_js.empty()) return;
+  if (load_description(run).procedural) page.note = "trained on procedural dances";
+  page.motions.push_back({"clip",
+                          read_clip(files.clip, {}),
+                          {},
+                          {},
+                          "A clip of the validation split; each sample goes on from its first " +
+                              format_number(kSamplePrompt) + " s"});
+  const std::size_t shown = std::min(kShownSamples, files.samples.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    const std::size_t at = shown > 1 ? i * (files.samples.size() - 1) / (shown - 1) : 0;
+    const auto& [step, file] = files.samples[at];
+    page.motions.push_back({"step " + std::to_string(step),
+                            read_clip(file, {}),
+                            {},
+                            {},
+                            "Sampled during training. Validation: " + validation_text(log, step)});
   }
 }
 
@@ -109,7 +133,8 @@ Page training_page(const fs::path& run) {
   Plot rate{"Learning rate", "step", "learning rate", false, false, {}};
   rate.series = {series(log, "", "learning_rate")};
   page.plots.push_back({plot_svg(rate), summary_table(log)});
-  if (fs::exists(run / "settings.json")) add_settings(load_json(run / "settings.json"), page);
+  add_samples(run, log, page);
+  if (fs::exists(run / "settings.json")) add_settings(page, load_json(run / "settings.json"));
   return page;
 }
 

@@ -1,4 +1,5 @@
-// The page of a training run: how loss and learning rate went, and the settings.
+// The page of a training run: motions made on the way, how loss and learning rate went, and the
+// settings.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +8,8 @@
 
 namespace mocaplm {
 
-// From RUN/log.jsonl and RUN/settings.json, as `train` writes them. Throws DataError when the log
+// From RUN/log.jsonl, RUN/samples/ and RUN/settings.json, as `train` writes them; a build without
+// three.js leaves the samples out. Throws DataError when the log
 // has no line or is not what `train` writes.
 Page training_page(const std::filesystem::path& run);
 

@@ -102,6 +102,18 @@ struct RangeTestConfig {
   }
 };
 
+// Of the motions that train makes on its way, for the page of the run.
+struct SampleConfig {
+  double sample_seconds = 4;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("sample_seconds", sample_seconds, 0, 60,
+             "after validations, let the model go on with a validation clip for so long, and show "
+             "it on the page of the run; takes 1% of the time at most; 0: never");
+  }
+};
+
 struct RunConfig {
   TokenizerConfig tokenizer;
   PieceConfig pieces;  // flat: tokens of several characters, learnt on the training split

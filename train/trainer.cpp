@@ -88,7 +88,7 @@ class Run {
       smooth_ = smooth_ == 0 ? nats : 0.95 * smooth_ + 0.05 * nats;
       rate_ = static_cast<double>(tokens) / seconds_since(start_);
       const bool last = done_.step == config_.steps || progress() >= 1;
-      if (done_.step % config_.validate_every == 0 || last) validate(bar);
+      if (done_.step % config_.validate_every == 0 || last) validate(bar, last);
       stopped = done_.step == options_.stop_after_step;
       if (done_.step % config_.save_every == 0 || last || stopped)
         save(options_.out / "last", true);
@@ -166,7 +166,7 @@ class Run {
                         "--precision f32 with another --out");
   }
 
-  void validate(Progress& bar) {
+  void validate(Progress& bar, bool last) {
     const at::NoGradGuard no_grad;
     setup_.model->eval();
     double sum = 0;
@@ -191,6 +191,9 @@ class Run {
     std::snprintf(text, sizeof text, "step %lld: validation loss %.4f, %.2f bits/frame",
                   static_cast<long long>(done_.step), nats, bits(nats));
     bar.print(text);
+    if (options_.on_validation)
+      options_.on_validation(
+          {done_.step, bits(nats), last, setup_.dataset, [this] { return stored_model(); }});
   }
 
   void report(double validation_nats) {
@@ -206,12 +209,17 @@ class Run {
     std::ofstream(options_.out / "log.jsonl", std::ios::app) << line.dump() << "\n";
   }
 
-  void save(const fs::path& path, bool resumable) {
+  StoredModel stored_model() const {
     StoredModel stored;
     stored.description = setup_.description;
     stored.tensors = export_weights(*setup_.model);
     stored.tokenizer = setup_.tokenizer.to_json();
     stored.pieces = setup_.piece_bytes;
+    return stored;
+  }
+
+  void save(const fs::path& path, bool resumable) {
+    StoredModel stored = stored_model();
     std::vector<ModelInput> inputs;
     for (std::size_t i = 0; i < std::min<std::size_t>(2, validation_.size()); ++i)
       inputs.push_back(self_test_window(setup_.description, validation_[i]));

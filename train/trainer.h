@@ -12,6 +12,15 @@
 
 namespace mocaplm {
 
+// What a run tells whoever looks on, after each validation.
+struct Validated {
+  std::int64_t step = 0;
+  double bits_per_frame = 0;
+  bool last = false;  // of the run
+  const Dataset& dataset;
+  std::function<StoredModel()> model;  // as it is now, without a self-test; copied when asked for
+};
+
 struct TrainOptions {
   RunConfig config;
   std::filesystem::path data, out;
@@ -22,6 +31,7 @@ struct TrainOptions {
   // The mocaplm that learns pieces (train/learn_pieces.h); empty: the one beside this program.
   std::filesystem::path tokenize_program;
   std::int64_t stop_after_step = 0;  // stop there as if interrupted, with last/ saved; 0: never
+  std::function<void(const Validated&)> on_validation;  // may be null; its time is the run's
 };
 
 struct TrainResult {

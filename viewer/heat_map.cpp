@@ -6,23 +6,20 @@
 #include <limits>
 
 #include "common/error.h"
-#include "common/text.h"
-#include "viewer/html.h"
 #include "viewer/plot.h"
+#include "viewer/svg.h"
 
 namespace mocaplm {
 
 namespace {
+
+using svg::number;
 
 constexpr double kPanel = 260, kHeight = 220, kLeft = 64, kGap = 24, kTop = 64, kBottom = 52;
 constexpr Eigen::Index kMostColumns = 400;
 // Viridis (van der Walt and Smith 2015) at 0, 1/4, ... 1.
 constexpr double kViridis[5][3] = {
     {68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}};
-
-std::string number(double value) {
-  return format_number(std::round(value * 100) / 100);
-}
 
 std::string colour(double share) {
   const double place = std::clamp(share, 0.0, 1.0) * 4;
@@ -46,33 +43,27 @@ Eigen::MatrixXd few_columns(const Eigen::MatrixXd& values) {
   return out;
 }
 
-std::string text_tag(double x, double y, const char* anchor, const std::string& text,
-                     const std::string& more = "") {
-  return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor + "\" " +
-         more + ">" + escape_html(text) + "</text>\n";
-}
-
 std::string panel_tags(const HeatMap& panel, double left, double low, double high, bool first) {
   const Eigen::MatrixXd values = few_columns(panel.values);
   const double width = kPanel / static_cast<double>(values.cols());
   const double height = kHeight / static_cast<double>(values.rows());
-  std::string svg = "<g shape-rendering=\"crispEdges\">\n";
+  std::string tags = "<g shape-rendering=\"crispEdges\">\n";
   for (Eigen::Index c = 0; c < values.cols(); ++c)
     for (Eigen::Index r = 0; r < values.rows(); ++r)
       if (std::isfinite(values(r, c)))
-        svg += "<rect x=\"" + number(left + width * static_cast<double>(c)) + "\" y=\"" +
-               number(kTop + kHeight - height * static_cast<double>(r + 1)) + "\" width=\"" +
-               number(width + 0.05) + "\" height=\"" + number(height + 0.05) + "\" fill=\"" +
-               colour(high > low ? (values(r, c) - low) / (high - low) : 0) + "\"/>\n";
-  svg += "</g>\n" + text_tag(left + kPanel / 2, kTop - 8, "middle", panel.title);
+        tags += "<rect x=\"" + number(left + width * static_cast<double>(c)) + "\" y=\"" +
+                number(kTop + kHeight - height * static_cast<double>(r + 1)) + "\" width=\"" +
+                number(width + 0.05) + "\" height=\"" + number(height + 0.05) + "\" fill=\"" +
+                colour(high > low ? (values(r, c) - low) / (high - low) : 0) + "\"/>\n";
+  tags += "</g>\n" + svg::text(left + kPanel / 2, kTop - 8, "middle", panel.title);
   for (const double tick : plot_ticks(0, panel.x_high, false, 5))
-    svg +=
-        text_tag(left + kPanel * tick / panel.x_high, kTop + kHeight + 16, "middle", number(tick));
+    tags +=
+        svg::text(left + kPanel * tick / panel.x_high, kTop + kHeight + 16, "middle", number(tick));
   if (first)
     for (const double tick : plot_ticks(0, panel.y_high, false, 6))
-      svg += text_tag(left - 6, kTop + kHeight - kHeight * tick / panel.y_high + 4, "end",
-                      number(tick));
-  return svg;
+      tags += svg::text(left - 6, kTop + kHeight - kHeight * tick / panel.y_high + 4, "end",
+                        number(tick));
+  return tags;
 }
 
 }  // namespace
@@ -89,23 +80,17 @@ std::string heat_maps_svg(const std::string& title, const std::string& x_label,
   if (low > high) throw UsageError("there is nothing to draw: no finite values");
   const auto count = static_cast<double>(panels.size());
   const double width = kLeft + count * (kPanel + kGap), height = kTop + kHeight + kBottom;
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(width) +
-                    " " + number(height) +
-                    "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#333\" role=\"img\">\n"
-                    "<title>" +
-                    escape_html(title) +
-                    "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-  svg += text_tag(width / 2, 24, "middle", title, "font-size=\"16\"");
+  std::string tags = svg::open(width, height, title);
   double left = kLeft;
   for (const HeatMap& panel : panels) {
-    if (panel.values.size() > 0) svg += panel_tags(panel, left, low, high, left == kLeft);
+    if (panel.values.size() > 0) tags += panel_tags(panel, left, low, high, left == kLeft);
     left += kPanel + kGap;
   }
   const double middle = kTop + kHeight / 2;
-  svg += text_tag((kLeft + width) / 2, height - 12, "middle", x_label);
-  svg += text_tag(18, middle, "middle", y_label,
-                  "transform=\"rotate(-90 18 " + number(middle) + ")\"");
-  return svg + "</svg>\n";
+  tags += svg::text((kLeft + width) / 2, height - 12, "middle", x_label);
+  tags += svg::text(18, middle, "middle", y_label,
+                    "transform=\"rotate(-90 18 " + number(middle) + ")\"");
+  return tags + "</svg>\n";
 }
 
 }  // namespace mocaplm

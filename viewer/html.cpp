@@ -1,5 +1,7 @@
 #include "viewer/html.h"
 
+#include <cctype>
+
 #include "common/error.h"
 
 namespace mocaplm {
@@ -26,11 +28,45 @@ std::string escape_character(char c) {
   return control ? "" : std::string(1, c);
 }
 
+// Longer ones are broken into lines.
+constexpr std::size_t kLongCell = 40;
+
+bool like_a_number(const std::string& text) {
+  const std::size_t at = text.find_first_not_of("+-.<>~ ");
+  return at == std::string::npos || std::isdigit(static_cast<unsigned char>(text[at])) != 0 ||
+         text == "nan" || text == "inf" || text == "-inf";
+}
+
+// Of each column whether it is text, with the first one always so.
+std::vector<bool> text_columns(const Table& table) {
+  std::vector<bool> found(table.columns().size(), false);
+  for (const auto& cells : table.rows())
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      if (cells[c].is_string() && !like_a_number(cells[c].get<std::string>())) found[c] = true;
+  if (!found.empty()) found[0] = true;
+  return found;
+}
+
+std::string cell_class(bool text, std::size_t letters) {
+  if (!text && letters <= kLongCell) return "";
+  return std::string(" class=\"") + (text ? "text" : "") + (letters > kLongCell ? " long" : "") +
+         "\"";
+}
+
 }  // namespace
 
 std::string escape_html(std::string_view text) {
   std::string out;
   for (const char c : text) out += escape_character(c);
+  return out;
+}
+
+std::string escape_name(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    out += escape_character(c);
+    if (c == '_' || c == '/') out += "<wbr>";
+  }
   return out;
 }
 
@@ -88,14 +124,17 @@ std::string html_table(const Table& table) {
                     "\">\n<table>\n";
   if (!title.empty()) out += "<caption>" + title + "</caption>\n";
   out += "<thead><tr>";
-  for (const std::string& column : table.columns())
-    out += "<th scope=\"col\">" + escape_html(column) + "</th>";
+  const std::vector<bool> is_text = text_columns(table);
+  for (std::size_t c = 0; c < table.columns().size(); ++c)
+    out += "<th scope=\"col\"" + cell_class(is_text[c], 0) + ">" + escape_html(table.columns()[c]) +
+           "</th>";
   out += "</tr></thead>\n<tbody>\n";
   for (const auto& cells : table.rows()) {
     out += "<tr>";
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      const std::string text = escape_html(table.cell(c, cells[c]));
-      out += c == 0 ? "<th scope=\"row\">" + text + "</th>" : "<td>" + text + "</td>";
+      const std::string text = table.cell(c, cells[c]), tag = c == 0 ? "th" : "td";
+      out += "<" + tag + (c == 0 ? " scope=\"row\"" : "") + cell_class(is_text[c], text.size()) +
+             ">" + escape_html(text) + "</" + tag + ">";
     }
     out += "</tr>\n";
   }

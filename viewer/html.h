@@ -26,7 +26,11 @@ std::string base64(const std::vector<std::uint8_t>& bytes);
 // when the template names a value that is not given.
 std::string fill_template(std::string_view text, const std::map<std::string, std::string>& values);
 
-// <figure> with the table, its title as caption and its notes; the first column is left-aligned.
+// <figure> with the table, its title as caption and its notes. Columns of numbers, also such as
+// "12.5 %", are right-aligned, the first one and others of text left-aligned.
 std::string html_table(const Table& table);
+
+// As escape_html; the line may break after each of _ and /, as in names of clips and files.
+std::string escape_name(std::string_view text);
 
 }  // namespace mocaplm

@@ -89,7 +89,12 @@ class Opener {
   std::string made_title() const {
     std::vector<std::string> names;
     for (const PageMotion& motion : page_.motions) names.push_back(motion.title);
-    return names.size() > 3 ? std::to_string(names.size()) + " motions" : join(names, ", ");
+    if (names.size() <= 3) return join(names, ", ");
+    const std::string count = std::to_string(names.size());
+    if (options_.inputs.size() > 1) return count + " motions";
+    const fs::path folder = fs::absolute(options_.inputs[0]).lexically_normal();
+    return count + " motions of " +
+           (folder.has_filename() ? folder : folder.parent_path()).filename().string();
   }
 
   const ViewOptions& options_;

@@ -53,9 +53,9 @@ std::string captions_html(const Page& page) {
   if (page.motions.empty()) return "";
   std::string out = "<section aria-label=\"Motions\">\n<ul id=\"captions\">\n";
   for (const PageMotion& motion : page.motions) {
-    out += "<li><h2>" + escape_html(motion.title) + "</h2>\n";
-    if (!motion.caption.empty()) out += "<p>" + escape_html(motion.caption) + "</p>\n";
-    out += "<p class=\"facts\">" + escape_html(facts(motion.clip)) + "</p>\n";
+    out += "<li><h2>" + escape_name(motion.title) + "</h2>\n";
+    if (!motion.caption.empty()) out += "<p>" + escape_name(motion.caption) + "</p>\n";
+    out += "<p class=\"facts\">" + escape_name(facts(motion.clip)) + "</p>\n";
     if (!motion.highlighted_joints.empty())
       out += "<p class=\"facts given\">" + escape_html(page.highlight_name) + "</p>\n";
     out += "</li>\n";
@@ -63,12 +63,27 @@ std::string captions_html(const Page& page) {
   return out + "</ul>\n</section>\n";
 }
 
+// Longer values take two places.
+constexpr std::size_t kLongSetting = 24;
+// A few settings stand under the figures, more of them at the page's end.
+constexpr std::size_t kFewSettings = 10;
+
 std::string settings_html(const Page& page) {
   if (page.settings.empty()) return "";
   std::string out = "<section class=\"settings\"><h2>Settings</h2>\n<dl>\n";
   for (const auto& [name, value] : page.settings)
-    out += "<div><dt>" + escape_html(name) + "</dt><dd>" + escape_html(value) + "</dd></div>\n";
+    out += std::string(value.size() > kLongSetting ? "<div class=\"long\">" : "<div>") + "<dt>" +
+           escape_name(name) + "</dt><dd>" + escape_name(value) + "</dd></div>\n";
   return out + "</dl></section>\n";
+}
+
+std::string setting_text(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return format_number(value.get<double>());
+  if (!value.is_array()) return value.is_null() ? "\u2013" : value.dump();
+  std::vector<std::string> parts;
+  for (const Json& one : value) parts.push_back(setting_text(one));
+  return parts.empty() ? "\u2013" : join(parts, ", ");
 }
 
 std::string plots_html(const Page& page) {
@@ -106,9 +121,18 @@ std::string scripts_html(const Page& page) {
 
 }  // namespace
 
+void add_settings(Page& page, const Json& json) {
+  for (const auto& [name, value] : json.items()) {
+    if (value.is_object())
+      add_settings(page, value);
+    else
+      page.settings.emplace_back(name, setting_text(value));
+  }
+}
+
 std::string render_page(const Page& page) {
   check_page(page);
-  const bool moves = !page.motions.empty();
+  const bool moves = !page.motions.empty(), few = page.settings.size() <= kFewSettings;
   return fill_template(
       assets::page_html,
       {{"title", escape_html(page.title)},
@@ -116,7 +140,8 @@ std::string render_page(const Page& page) {
        {"style", std::string(assets::page_css)},
        {"stage", moves ? std::string(assets::stage_html) : ""},
        {"captions", captions_html(page)},
-       {"settings", settings_html(page)},
+       {"few_settings", few ? settings_html(page) : ""},
+       {"many_settings", few ? "" : settings_html(page)},
        {"plots", plots_html(page)},
        {"tables", tables_html(page)},
        {"credit", moves ? " Drawn with three.js, MIT licence, included in this file." : ""},

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/json.h"
 #include "common/table.h"
 #include "motion/clip.h"
 
@@ -35,6 +36,10 @@ struct Page {
   std::vector<Table> tables;
   std::vector<std::pair<std::string, std::string>> settings;  // name, value
 };
+
+// A setting for each value of a JSON object, those of inner objects after one another: numbers in
+// their shortest form, lists with commas, a dash for null and for lists without entries.
+void add_settings(Page& page, const Json& json);
 
 // All text is escaped. Throws UsageError when there is neither motion nor plot nor table or a joint
 // does not exist, DataError when a clip is not valid (check_clip) or there are motions and this

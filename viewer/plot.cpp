@@ -9,25 +9,27 @@
 #include "common/error.h"
 #include "common/text.h"
 #include "viewer/html.h"
+#include "viewer/svg.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr double kWidth = 760, kHeight = 460;
-constexpr double kLeft = 72, kRight = 20, kTop = 44, kBottom = 56;
+using svg::number;
+
+// The legend's rows come on top of the height.
+constexpr double kWidth = 560, kHeight = 372;
+constexpr double kLeft = 34, kRight = 18, kTop = 42, kBottom = 54, kLegendRow = 21;
+constexpr int kXTicks = 7, kYTicks = 7;
 // Okabe and Ito 2008: told apart by most people.
 constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                     "#e69f00", "#56b4e9", "#000000"};
 
-std::string number(double value) {
-  return format_number(std::round(value * 100) / 100);
-}
-
-// Four digits are enough to read.
+// Four digits are enough to read; counts up to millions are written out.
 std::string shown(double value) {
   char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.4g", value);
+  const double size = std::abs(value);
+  std::snprintf(buffer, sizeof buffer, size >= 1000 && size < 1e7 ? "%.0f" : "%.4g", value);
   return buffer;
 }
 
@@ -63,30 +65,62 @@ std::string line_tag(double x1, double y1, double x2, double y2, const std::stri
          "\" y2=\"" + number(y2) + "\" " + style + "/>\n";
 }
 
-std::string text_tag(double x, double y, const std::string& anchor, const std::string& text,
-                     const std::string& more = "") {
-  return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor + "\" " +
-         more + ">" + escape_html(text) + "</text>\n";
+std::string axes_tags(const Plot& plot, const Axis& x, const Axis& y) {
+  std::string tags;
+  for (const double tick : plot_ticks(x.low, x.high, x.log, kXTicks)) {
+    tags += line_tag(x.at(tick), y.from, x.at(tick), y.to, "class=\"grid\" stroke=\"#e3e3e3\"");
+    tags += svg::text(x.at(tick), y.from + 19, "middle", shown(tick));
+  }
+  for (const double tick : plot_ticks(y.low, y.high, y.log, kYTicks)) {
+    tags += line_tag(x.from, y.at(tick), x.to, y.at(tick), "class=\"grid\" stroke=\"#e3e3e3\"");
+    tags += svg::text(x.from - 7, y.at(tick) + 4, "end", shown(tick));
+  }
+  tags += line_tag(x.from, y.from, x.to, y.from, "class=\"axis\" stroke=\"#333\"");
+  tags += line_tag(x.from, y.from, x.from, y.to, "class=\"axis\" stroke=\"#333\"");
+  tags += svg::text((x.from + x.to) / 2, y.from + 44, "middle", plot.x_label);
+  const double middle = (y.from + y.to) / 2;
+  tags += svg::text(17, middle, "middle", plot.y_label,
+                    "transform=\"rotate(-90 17 " + number(middle) + ")\"");
+  return tags;
 }
 
-std::string axes_tags(const Plot& plot, const Axis& x, const Axis& y) {
-  std::string svg;
-  for (const double tick : plot_ticks(x.low, x.high, x.log)) {
-    svg += line_tag(x.at(tick), y.from, x.at(tick), y.to, "class=\"grid\" stroke=\"#e3e3e3\"");
-    svg += text_tag(x.at(tick), y.from + 18, "middle", shown(tick));
+// Room for the ticks' numbers, left of the axis.
+double widest_tick(const Axis& y) {
+  std::size_t letters = 0;
+  for (const double tick : plot_ticks(y.low, y.high, y.log, kYTicks))
+    letters = std::max(letters, shown(tick).size());
+  return svg::width(letters);
+}
+
+std::vector<std::string> inks(const Plot& plot) {
+  std::vector<std::string> found;
+  std::size_t next = 0;
+  for (const PlotSeries& series : plot.series)
+    found.push_back(series.colour.empty() ? kColours[next++ % std::size(kColours)]
+                                          : escape_html(series.colour));
+  return found;
+}
+
+// Under the title, in as many rows as it needs; `rows` counts them.
+std::string legend_tags(const Plot& plot, int& rows) {
+  std::string tags;
+  const std::vector<std::string> ink = inks(plot);
+  double left = kLeft;
+  rows = 0;
+  for (std::size_t s = 0; s < plot.series.size(); ++s) {
+    const std::string& name = plot.series[s].name;
+    if (name.empty()) continue;
+    const double wide = 34 + svg::width(name.size());
+    if (rows == 0 || left + wide > kWidth) {
+      left = kLeft;
+      ++rows;
+    }
+    const double y = kTop + kLegendRow * (rows - 1);
+    tags += "<circle cx=\"" + number(left) + "\" cy=\"" + number(y) + "\" r=\"4\" fill=\"" +
+            ink[s] + "\"/>\n" + svg::text(left + 10, y + 4, "start", name);
+    left += wide;
   }
-  for (const double tick : plot_ticks(y.low, y.high, y.log)) {
-    svg += line_tag(x.from, y.at(tick), x.to, y.at(tick), "class=\"grid\" stroke=\"#e3e3e3\"");
-    svg += text_tag(x.from - 8, y.at(tick) + 4, "end", shown(tick));
-  }
-  svg += line_tag(x.from, y.from, x.to, y.from, "class=\"axis\" stroke=\"#333\"");
-  svg += line_tag(x.from, y.from, x.from, y.to, "class=\"axis\" stroke=\"#333\"");
-  svg += text_tag((x.from + x.to) / 2, kHeight - 14, "middle", plot.x_label);
-  const std::string middle = number((y.from + y.to) / 2);
-  svg += text_tag(18, (y.from + y.to) / 2, "middle", plot.y_label,
-                  "transform=\"rotate(-90 18 " + middle + ")\"");
-  svg += text_tag((x.from + x.to) / 2, 24, "middle", plot.title, "font-size=\"16\"");
-  return svg;
+  return tags;
 }
 
 std::string series_tags(const Plot& plot, const PlotSeries& series, const std::string& colour,
@@ -153,35 +187,31 @@ std::string plot_svg(const Plot& plot) {
   if (x.low > x.high) throw UsageError("there is nothing to plot: no finite points");
   x.widen();
   y.widen();
-  x.from = kLeft;
-  // The legend stands beside the picture, so that it hides nothing.
-  std::size_t longest = 0;
-  for (const PlotSeries& series : plot.series) longest = std::max(longest, series.name.size());
-  x.to = kWidth - kRight - (longest > 0 ? 24 + 6.6 * static_cast<double>(longest) : 0);
-  y.from = kHeight - kBottom;
-  y.to = kTop;
+  int rows = 0;
+  const std::string legend = legend_tags(plot, rows);
+  const double height = kHeight + kLegendRow * rows;
+  x.from = kLeft + widest_tick(y);
+  x.to = kWidth - kRight;
+  y.from = height - kBottom;
+  y.to = kTop + kLegendRow * rows;
 
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(kWidth) +
-                    " " + number(kHeight) +
-                    "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#333\" role=\"img\">\n"
-                    "<title>" +
-                    escape_html(plot.title) +
-                    "</title>\n<rect class=\"paper\" width=\"100%\" height=\"100%\" "
-                    "fill=\"#fff\"/>\n";
-  svg += axes_tags(plot, x, y);
-  std::size_t colour = 0;
-  double legend = kTop + 14;
-  for (const PlotSeries& series : plot.series) {
-    const std::string ink = series.colour.empty() ? kColours[colour++ % std::size(kColours)]
-                                                  : escape_html(series.colour);
-    svg += series_tags(plot, series, ink, x, y);
-    if (series.name.empty()) continue;
-    svg += "<circle cx=\"" + number(x.to + 18) + "\" cy=\"" + number(legend - 4) +
-           "\" r=\"4\" fill=\"" + ink + "\"/>\n";
-    svg += text_tag(x.to + 28, legend, "start", series.name);
-    legend += 17;
-  }
-  return svg + "</svg>\n";
+  std::string tags = svg::open(kWidth, height, plot.title) + legend + axes_tags(plot, x, y);
+  const std::vector<std::string> ink = inks(plot);
+  for (std::size_t s = 0; s < plot.series.size(); ++s)
+    tags += series_tags(plot, plot.series[s], ink[s], x, y);
+  return tags + "</svg>\n";
+}
+
+Table plot_table(const Plot& plot) {
+  Table table(plot.title, {"", plot.x_label, plot.y_label});
+  for (const PlotSeries& series : plot.series)
+    for (const PlotPoint& point : series.points) {
+      std::vector<std::string> names;
+      for (const std::string& name : {series.name, point.label})
+        if (!name.empty()) names.push_back(name);
+      table.row({join(names, ": "), std::stod(shown(point.x)), std::stod(shown(point.y))});
+    }
+  return table;
 }
 
 }  // namespace mocaplm

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "common/table.h"
+
 namespace mocaplm {
 
 struct PlotPoint {
@@ -36,5 +38,8 @@ std::vector<double> plot_ticks(double low, double high, bool logarithmic, int mo
 // The whole file's text. Points that are not finite are left out. Throws UsageError when none is
 // left.
 std::string plot_svg(const Plot& plot);
+
+// The numbers of all points, a row each, by their labels or their series' names.
+Table plot_table(const Plot& plot);
 
 }  // namespace mocaplm

@@ -62,6 +62,9 @@ TEST_F(TokenizeCommand, ReportsATableJsonAndAPlot) {
   const Ran bins = run(at("data") + " --report bins:90 bins:360 bins:720 --plot " + at("b.svg"));
   EXPECT_EQ(bins.code, 0) << bins.text;
   EXPECT_PRED2(contains, read_file(folder_ / "b.svg"), "uniform, max");
+  const Ran paged = run(at("data") + " --report bins:90 bins:360 --page " + at("r.html"));
+  EXPECT_EQ(paged.code, 0) << paged.text;
+  EXPECT_PRED2(contains, read_file(folder_ / "r.html"), "<h1>What bins lose</h1>");
 }
 
 TEST_F(TokenizeCommand, ShowsClipsBesideTheirTokens) {
@@ -87,7 +90,7 @@ TEST_F(TokenizeCommand, RefusesWhatDoesNotGoTogether) {
   says(data + " --report bin:90", "did you mean \"bins\"");
   says(data + " --plot x.svg --out " + at("x"), "--plot");
   says(data + " --page x.npz --out " + at("x"), ".html");
-  says(data + " --page x.html --report bins:90", "--report");
+  says(data + " --page x.html --decode c.txt", "--decode");
   says(data + " --tiles 30 --root steps --out " + at("x"), "absolute or none");
   says(data + " --tiles 30 --pca 9 --ica 9 --out " + at("x"), "not both");
   says(data + " --bpe 900 --out " + at("x.json"), "need a folder");

@@ -123,6 +123,7 @@ TEST(SettingsDocument, Train) {
 
 TEST(SettingsDocument, RangeTest) {
   expect_documented("range test", rows_of(RangeTestConfig()));
+  expect_documented("samples", rows_of(SampleConfig()));
 }
 
 TEST(SettingsDocument, Filling) {

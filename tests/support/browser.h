@@ -10,13 +10,13 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "common/json.h"
+#include "temporary_folder.h"
 
 namespace mocaplm {
 
@@ -39,9 +39,6 @@ class Browser {
  public:
   // Throws std::runtime_error when it does not answer, as all calls do after `seconds`.
   explicit Browser(const std::string& program, double seconds = 60) : seconds_(seconds) {
-    std::string name = (std::filesystem::temp_directory_path() / "mocaplm_browser_XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-    profile_ = name;
     start(program);
     const Json target = call("Target.createTarget", {{"url", "about:blank"}});
     session_ = call("Target.attachToTarget",
@@ -58,8 +55,6 @@ class Browser {
     for (int i = 0; i < 50 && ::waitpid(child_, nullptr, WNOHANG) == 0; ++i) pause(0.1);
     ::kill(-child_, SIGKILL);
     ::waitpid(child_, nullptr, 0);
-    std::error_code ignored;
-    std::filesystem::remove_all(profile_, ignored);
   }
 
   // One command; events that arrive meanwhile are kept.
@@ -158,7 +153,7 @@ class Browser {
                                             "--disable-background-networking",
                                             "--no-first-run",
                                             "--remote-debugging-pipe",
-                                            "--user-data-dir=" + profile_.string(),
+                                            "--user-data-dir=" + profile_.path().string(),
                                             "about:blank"};
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -208,7 +203,7 @@ class Browser {
   }
 
   double seconds_;
-  std::filesystem::path profile_;
+  TemporaryFolder profile_;
   std::string session_, read_;
   std::size_t looked_ = 0;
   int child_ = -1, to_ = -1, from_ = -1;

@@ -42,6 +42,13 @@ inline bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+inline std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++found;
+  return found;
+}
+
 // Plain and quick: no care for what was there (ext4 waits for the disk when a file is overwritten).
 inline void put(const std::string& path, const std::string& bytes) {
   std::remove(path.c_str());

@@ -1,12 +1,9 @@
 // The page in a real browser: headless Chromium (tests/support/browser.h), skipped without one.
-#include "support/browser.h"
-
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <set>
 
-#include "common/files.h"
+#include "support/pages_in_browser.h"
+
 #include "motion/skeleton.h"
 #include "viewer/assets.h"
 #include "viewer/figure.h"
@@ -14,8 +11,6 @@
 
 namespace mocaplm {
 namespace {
-
-namespace fs = std::filesystem;
 
 // A body that turns, bends and walks about, without a repeated frame.
 Clip moving_clip(const std::string& name, Eigen::Index frames, double fps) {
@@ -33,61 +28,30 @@ Clip moving_clip(const std::string& name, Eigen::Index frames, double fps) {
   return clip;
 }
 
-class BrowserTest : public testing::Test {
+class BrowserTest : public PagesInBrowser {
  protected:
   static void SetUpTestSuite() {
-    const std::string program = find_browser();
-    if (program.empty() || assets::three_js.empty()) return;
-    folder_ = fs::temp_directory_path() / ("mocaplm_browser_test_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
+    if (!assets::three_js.empty()) PagesInBrowser::SetUpTestSuite();
+    if (!browser_) return;
     Page page;
     page.title = "Two dances";
     page.highlight_name = "prompted joints";
     page.motions.push_back({"prompt", first(), {17, 19, 21}, {}, "The prompt"});
     page.motions.push_back({"generated", second(), {17, 19, 21}, {}, "Generated"});
     page.settings = {{"model", "small"}, {"seed", "7"}};
-    write_page(folder_ / "page.html", page);
-    browser_ = std::make_unique<Browser>(program);
-  }
-  static void TearDownTestSuite() {
-    browser_.reset();
-    if (!folder_.empty()) fs::remove_all(folder_);
+    write_page(*folder_ / "page.html", page);
+    page.motions.clear();
+    for (int i = 0; i < 10; ++i)
+      page.motions.push_back({"dance number " + std::to_string(i), first(), {}, {}, ""});
+    write_page(*folder_ / "many.html", page);
   }
   void SetUp() override {
     if (assets::three_js.empty()) GTEST_SKIP() << "built without three.js (libjs-three)";
-    if (!browser_)
-      GTEST_SKIP() << "no Chromium: apt-get install chromium, or MOCAPLM_CHROMIUM=/path/to/it";
-    browser_->window(420, 480);  // small: without a graphics card each pixel costs
-    browser_->media("prefers-color-scheme", "light");
+    PagesInBrowser::SetUp();
   }
 
   static Clip first() { return moving_clip("prompt", 241, 60); }
   static Clip second() { return moving_clip("generated", 361, 120); }  // thinned to 60 fps
-
-  static std::string url(const std::string& hash = "", const std::string& page = "page.html") {
-    return "file://" + (folder_ / page).string() + hash;
-  }
-
-  // Chromium's own remark on how headless pictures are read back.
-  static bool of_driver(const Json& event) {
-    return event.dump().find("GL Driver Message (OpenGL, Performance") != std::string::npos;
-  }
-
-  // Script errors, messages of the console, and whatever was asked of anyone but the file itself.
-  static std::vector<std::string> complaints() {
-    browser_->evaluate("1");  // events before this answer have arrived
-    std::vector<std::string> found;
-    for (const Json& event : browser_->events) {
-      const std::string method = event["method"];
-      if (method == "Runtime.exceptionThrown" || method == "Runtime.consoleAPICalled" ||
-          (method == "Log.entryAdded" && !of_driver(event)))
-        found.push_back(event.dump());
-      if (method != "Network.requestWillBeSent") continue;
-      const std::string asked = event["params"]["request"]["url"];
-      if (asked.rfind("data:", 0) != 0 && asked.rfind(url(), 0) != 0) found.push_back(asked);
-    }
-    return found;
-  }
 
   // The joints as shown against the program's own forward kinematics, in millimetres.
   static double distance(int index, const Clip& clip, Eigen::Index frame) {
@@ -105,13 +69,7 @@ class BrowserTest : public testing::Test {
 
   static double seconds() { return browser_->evaluate("mocaplm.player.seconds"); }
   static bool playing() { return browser_->evaluate("mocaplm.player.playing"); }
-
-  static fs::path folder_;
-  static std::unique_ptr<Browser> browser_;
 };
-
-fs::path BrowserTest::folder_;
-std::unique_ptr<Browser> BrowserTest::browser_;
 
 TEST_F(BrowserTest, PlaysWithoutErrorOrRequest) {
   browser_->open(url());
@@ -239,6 +197,26 @@ TEST_F(BrowserTest, FitsAPhoneLightAndDark) {
             "r.right <= 360 && r.height >= 30)}).map(e => e.id)"),
         Json::array());
     EXPECT_EQ(complaints(), std::vector<std::string>());
+  }
+}
+
+// Where the shown names meet; and all figures in their rows.
+TEST_F(BrowserTest, NamesOfManyFiguresDoNotMeet) {
+  for (const auto& [width, height] : {std::pair(900, 560), std::pair(390, 844)}) {
+    browser_->window(width, height, width < 600);
+    browser_->open(url("#flat&t=1", "many.html"));  // drawn in no time
+    EXPECT_EQ(browser_->evaluate("new Set(mocaplm.view.actors.map((a) => a.row)).size"),
+              width < 600 ? 4 : 2);
+    for (const double t : {0.0, 0.7, 2.4}) {
+      browser_->evaluate("mocaplm.seek(" + std::to_string(t) + ")");
+      EXPECT_EQ(browser_->evaluate(
+                    "(boxes => boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) => a.left < "
+                    "b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)).length)"
+                    "([...document.getElementById('names').children].map((name) => "
+                    "name.getBoundingClientRect()))"),
+                0)
+          << width << " at " << t;
+    }
   }
 }
 

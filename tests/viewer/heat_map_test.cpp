@@ -10,13 +10,6 @@
 namespace mocaplm {
 namespace {
 
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
-    ++found;
-  return found;
-}
-
 TEST(HeatMap, DrawsEveryValueOnOneScale) {
   Eigen::MatrixXd a(2, 3), b(1, 1);
   a << 0, 1, 2, 3, 4, std::numeric_limits<double>::quiet_NaN();

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
 #include <filesystem>
 
 #include "common/error.h"
 #include "common/files.h"
 #include "motion/dataset_write.h"
+#include "support/refusal.h"
+#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {
@@ -18,15 +18,12 @@ namespace fs = std::filesystem;
 class OpenTest : public testing::Test {
  protected:
   void SetUp() override {
-    directory_ = fs::temp_directory_path() / ("mocaplm_open_test_" + std::to_string(::getpid()));
-    fs::create_directories(directory_);
     clip_.name = "still";
     clip_.fps = 30;
     clip_.poses = Poses::Zero(5, 72);
     clip_.trans = Translations::Zero(5, 3);
     write_clip(directory_ / "still.npz", clip_);
   }
-  void TearDown() override { fs::remove_all(directory_); }
 
   std::string file(const std::string& name) const { return (directory_ / name).string(); }
   ViewOptions of(std::vector<std::string> inputs) const {
@@ -38,16 +35,10 @@ class OpenTest : public testing::Test {
   // The message of the UsageError or DataError that opening raises.
   template <class Wanted>
   std::string message(const ViewOptions& options) const {
-    try {
-      open_page(options);
-    } catch (const Wanted& error) {
-      return error.what();
-    }
-    ADD_FAILURE() << "no such error was raised";
-    return "";
+    return refusal<Wanted>([&] { open_page(options); });
   }
 
-  fs::path directory_;
+  TemporaryFolder directory_;
   Clip clip_;
 };
 
@@ -76,7 +67,8 @@ TEST_F(OpenTest, OverridesTheRate) {
 TEST_F(OpenTest, NamesWhatIsWrong) {
   EXPECT_THROW(open_page(of({})), UsageError);
   EXPECT_NE(message<DataError>(of({file("absent.npz")})).find("absent.npz"), std::string::npos);
-  EXPECT_NE(message<DataError>(of({directory_.string()})).find("dataset.json"), std::string::npos);
+  EXPECT_NE(message<DataError>(of({directory_.path().string()})).find("dataset.json"),
+            std::string::npos);
   ViewOptions options = of({file("still.npz")});
   options.joints = {"right_arn"};
   EXPECT_NE(message<UsageError>(options).find("right_arm"), std::string::npos);
@@ -117,6 +109,7 @@ TEST_F(OpenTest, ShowsClipsOfADatasetAndSaysThatTheyAreProcedural) {
   ViewOptions options = of({folder.string()});
   Page page = open_page(options, &remarks);
   EXPECT_EQ(page.motions.size(), kDatasetPreview);
+  EXPECT_EQ(page.title, "6 motions of dances");
   ASSERT_EQ(remarks.size(), 1u);
   EXPECT_NE(remarks[0].find("of 9 clips"), std::string::npos);
   EXPECT_NE(page.note.find("procedural"), std::string::npos);

@@ -11,6 +11,7 @@
 #include "common/files.h"
 #include "common/random.h"
 #include "motion/skeleton.h"
+#include "support/refusal.h"
 #include "viewer/assets.h"
 #include "viewer/figure.h"
 #include "viewer/html.h"
@@ -212,9 +213,37 @@ TEST(PageOfPlots, NeedsNeitherFiguresNorThreeJs) {
   page.plots.push_back({"<svg><title>one</title></svg>", table});
   const std::string html = render_page(page);
   EXPECT_NE(html.find("<svg><title>one</title></svg>"), std::string::npos);
-  EXPECT_NE(html.find("<th scope=\"row\">a</th>"), std::string::npos);
+  EXPECT_NE(html.find("<th scope=\"row\" class=\"text\">a</th>"), std::string::npos);
   EXPECT_EQ(html.find("<canvas"), std::string::npos);
   EXPECT_LT(html.size(), 40'000u);
+}
+
+TEST(PageOfPlots, SettingsAreReadable) {
+  Page page;
+  add_settings(page,
+               {{"model", {{"n_layer", 4}, {"dropout", 20.0}, {"joints", {"thesis", "head"}}}},
+                {"from", nullptr},
+                {"conditions", Json::array()},
+                {"mirror", false},
+                {"data", "a/b"}});
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"n_layer", "4"},   {"dropout", "20"},        {"joints", "thesis, head"},
+      {"from", "\u2013"}, {"conditions", "\u2013"}, {"mirror", "false"},
+      {"data", "a/b"}};
+  EXPECT_EQ(page.settings, expected);
+  page.tables.push_back(Table("t", {"x"}));
+  EXPECT_PRED2(contains, render_page(page), "<dt>n_<wbr>layer</dt><dd>4</dd>");
+}
+
+TEST(Html, ColumnsOfTextAreLeftAligned) {
+  Table table("t", {"clip", "share", "taken for", "count"});
+  table.row({"a", "12.5 %", "waack", 3});
+  table.row({"b", "-", std::string(60, 'x'), nullptr});
+  const std::string html = html_table(table);
+  EXPECT_PRED2(contains, html, "<td>12.5 %</td><td class=\"text\">waack</td><td>3</td>");
+  EXPECT_PRED2(contains, html, "<th scope=\"col\" class=\"text\">taken for</th>");
+  EXPECT_PRED2(contains, html, "<th scope=\"col\">count</th>");
+  EXPECT_PRED2(contains, html, "class=\"text long\">xxx");
 }
 
 TEST_F(PageTest, RefusesWhatItCannotShow) {

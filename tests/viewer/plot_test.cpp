@@ -11,13 +11,6 @@
 namespace mocaplm {
 namespace {
 
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
-    ++found;
-  return found;
-}
-
 TEST(PlotTicks, AreRoundNumbersInside) {
   EXPECT_EQ(plot_ticks(0, 10, false), (std::vector<double>{0, 2, 4, 6, 8, 10}));
   EXPECT_EQ(plot_ticks(-1.2, 1.2, false, 5), (std::vector<double>{-1, -0.5, 0, 0.5, 1}));
@@ -72,8 +65,8 @@ TEST(Plot, LargerIsFurtherRightAndUp) {
                    y = std::stod(svg.substr(svg.find("cy=", at) + 4));
       EXPECT_GT(x, last_x);
       EXPECT_LT(y, last_y);
-      EXPECT_GE(x, 72);
-      EXPECT_LE(x, 740);
+      EXPECT_GE(x, 34);
+      EXPECT_LE(x, 560 - 18);
       last_x = x;
       last_y = y;
     }
@@ -89,6 +82,19 @@ TEST(Plot, LeavesOutWhatItCannotShow) {
   EXPECT_EQ(count(svg, "<circle"), 2u);
   EXPECT_EQ(count(svg, "nan"), 0u);
   EXPECT_EQ(count(svg, "inf"), 0u);
+}
+
+TEST(Plot, ItsTableHasEveryPoint) {
+  Plot plot{"Error", "bins", "degrees", false, false, {}};
+  plot.series.push_back({"mean", {{90, 1.034567, "b90"}, {360, 0.25, ""}}});
+  plot.series.push_back({"", {{90, 2, "odd"}}});
+  const Table table = plot_table(plot);
+  EXPECT_EQ(table.title(), "Error");
+  EXPECT_EQ(table.columns(), (std::vector<std::string>{"", "bins", "degrees"}));
+  ASSERT_EQ(table.rows().size(), 3u);
+  EXPECT_EQ(table.rows()[0], (std::vector<Json>{"mean: b90", 90.0, 1.035}));
+  EXPECT_EQ(table.rows()[1][0], "mean");
+  EXPECT_EQ(table.rows()[2][0], "odd");
 }
 
 }  // namespace

@@ -1,4 +1,8 @@
-const DEPTH_ALONE = new THREE.MeshBasicMaterial({colorWrite: false, transparent: true});
+// A ghost lies a few centimetres deeper than it is: where it and another figure are in one place,
+// the other one is seen.
+const DEEPER = {polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: 3000};
+const DEPTH_ALONE =
+    new THREE.MeshBasicMaterial({colorWrite: false, transparent: true, ...DEEPER});
 
 // The figure of one actor (assets/view.js): meshes in a group of their own, moved to where its
 // points are.
@@ -39,12 +43,14 @@ class Figure {
     return out.fromArray(this.now, 3 * index);
   }
 
-  // One skin in two colours: the highlighted joints' faces are groups with the second material.
+  // One skin in two colours: faces whose joints are all highlighted are groups with the second
+  // material.
   buildTrunk(highlighted) {
     this.trunk = skinGeometry(RINGS.length);
     const faces = 6 * RING_POINTS;
-    RINGS.slice(0, -1).forEach(([, , , , owner], ring) => {
-      this.trunk.addGroup(ring * faces, faces, highlighted.has(owner) ? 1 : 0);
+    RINGS.slice(0, -1).forEach(([, , , , owners], ring) => {
+      const given = owners.every((joint) => highlighted.has(joint));
+      this.trunk.addGroup(ring * faces, faces, given ? 1 : 0);
     });
     this.add(this.trunk, [this.materials.own, this.materials.given]);
   }
@@ -52,7 +58,9 @@ class Figure {
   // A ghost is seen through, but only its front: its depth is drawn before its colour.
   setGhost(on) {
     for (const skin of Object.values(this.materials)) {
-      Object.assign(skin, {transparent: on, opacity: on ? .45 : 1, needsUpdate: true});
+      Object.assign(
+          skin, DEEPER,
+          {transparent: on, opacity: on ? .45 : 1, polygonOffset: on, needsUpdate: true});
     }
     for (const mesh of this.group.children) {
       mesh.remove(...mesh.children);

@@ -37,7 +37,8 @@ class Ground {
     });
     const plane = new THREE.PlaneBufferGeometry(160, 160).rotateX(-Math.PI / 2);
     this.group.add(new THREE.Mesh(plane, this.floor));
-    this.shade = new THREE.ShadowMaterial();
+    // Without depth: the patches lie a millimetre above, too little for some depth buffers.
+    this.shade = new THREE.ShadowMaterial({depthWrite: false});
     const shade = new THREE.Mesh(plane, this.shade);
     shade.position.y = 0.001;
     shade.receiveShadow = true;

@@ -4,9 +4,11 @@
 for (const picture of document.querySelectorAll('.picture')) {
   const marks = [...picture.querySelectorAll('[data-tip]')];
   // The browser's own late bubbles would come on top of these.
-  for (const mark of marks) mark.querySelectorAll('title').forEach((title) => title.remove());
+  const image = picture.querySelector('svg'), title = picture.querySelector('title');
+  if (title) image.setAttribute('aria-label', title.textContent);
+  picture.querySelectorAll('title').forEach((bubble) => bubble.remove());
   const tip = document.createElement('div');
-  tip.id = 'tip';
+  tip.className = 'tip';
   let lit = null;
 
   function light(mark) {
@@ -29,7 +31,7 @@ for (const picture of document.querySelectorAll('.picture')) {
     return best;
   }
 
-  picture.addEventListener('pointermove', (event) => {
+  function tell(event) {
     const mark = nearest(event);
     light(mark);
     if (!mark) return;
@@ -38,9 +40,13 @@ for (const picture of document.querySelectorAll('.picture')) {
     const box = mark.getBoundingClientRect(), frame = picture.getBoundingClientRect();
     const x = (box.left + box.right - tip.offsetWidth) / 2 - frame.left;
     const inside = Math.min(Math.max(x, 4), frame.width - tip.offsetWidth - 4);
-    tip.style.left = inside + picture.scrollLeft + 'px';
+    tip.style.left = inside + 'px';
     const above = box.top - frame.top - tip.offsetHeight - 8;
     tip.style.top = (above > 0 ? above : box.bottom - frame.top + 8) + 'px';
-  });
-  picture.addEventListener('pointerleave', () => light(null));
+  }
+  picture.addEventListener('pointermove', tell);
+  picture.addEventListener('pointerdown', tell);
+  // A finger that is lifted leaves its numbers to be read, until the next touch.
+  picture.addEventListener('pointerleave', (event) => event.pointerType === 'touch' || light(null));
+  document.addEventListener('pointerdown', (event) => picture.contains(event.target) || light(null));
 }

@@ -28,8 +28,8 @@ class Stage extends View {
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x77748a, .58));
     const key = this.key = new THREE.DirectionalLight(0xfff4e6, .88);
     key.castShadow = true;
-    key.shadow.mapSize.set(2048, 2048);
-    key.shadow.radius = 3.5;
+    key.shadow.mapSize.set(1024, 1024);
+    key.shadow.radius = 4;
     key.shadow.bias = -0.0006;
     const rim = new THREE.DirectionalLight(0xbfd0ff, .5);
     rim.position.set(-2, 3, -4);
