@@ -148,7 +148,7 @@ std::string matrix_svg(const MatrixChart& chart) {
                      "columns of counts");
   // The last column's name leans over the right edge.
   const double names = longest(chart.classes, kFieldName), left = 44 + names;
-  const double room = kWidth - left - std::max(0.7 * names - 20, 24.0);
+  const double room = kWidth - left - std::max(0.7 * names, 24.0);
   const double cell = std::min(room / static_cast<double>(classes), 52.0);
   const double top = 58 + 0.75 * names, side = cell * static_cast<double>(classes);
   std::string tags = svg::open(kWidth, top + side + 18, chart.title);

@@ -65,9 +65,10 @@ std::string render_report(const ReportPage& page) {
        {"style", std::string(assets::page_css) + kStyle},
        {"stage", links_html(page.chapters)},
        {"captions", page.pictures_first ? chapters : tables},
-       {"settings", ""},
+       {"few_settings", ""},
        {"plots", page.pictures_first ? tables : chapters},
        {"tables", ""},
+       {"many_settings", ""},
        {"credit", ""},
        {"scripts",
         page.chapters.empty() ? "" : "<script>\n" + std::string(assets::plot_js) + "</script>\n"}});

@@ -5,8 +5,8 @@
 
 namespace mocaplm {
 
-// (B, F, C) bins of whole frames -> (B, F, C * kFrameFeatures) in f32; not differentiated. A channel
-// that is hidden (no bin, in all frames of the window) has zeros.
+// (B, F, C) bins of whole frames -> (B, F, C * kFrameFeatures) in f32; not differentiated. A
+// channel that is hidden (no bin, in all frames of the window) has zeros.
 at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins);
 
 }  // namespace mocaplm
