@@ -45,7 +45,9 @@ TEST_F(Gesture, TheWholeWalk) {
   EXPECT_EQ(load_json(folder_ / "fit.json")["rows"].size(), 4u);
   const std::string page = read_file(folder_ / "fit.html");
   EXPECT_PRED2(contains, page, "95% interval");
-  EXPECT_FALSE(contains(page, "<script"));
+  // Numbers on hover, and nothing from elsewhere.
+  EXPECT_PRED2(contains, page, "querySelectorAll");
+  EXPECT_FALSE(contains(page, " src="));
   // The file's text has every digit, so this is the model that juggle made itself.
   EXPECT_EQ(load_json(folder_ / "m.json")["phases"][0]["f"],
             load_json(folder_ / "own.json")["phases"][0]["f"]);
