@@ -110,7 +110,8 @@ struct SampleConfig {
   void describe(Visitor& v) {
     v.number("sample_seconds", sample_seconds, 0, 60,
              "after validations, let the model go on with a validation clip for so long, and show "
-             "it on the page of the run; takes 1% of the time at most; 0: never");
+             "it on the page of the run; the first and the last, others while all take under 1% of "
+             "the time; 0: never");
   }
 };
 
