@@ -1,32 +1,15 @@
 // Runs the built program and catches what it says.
 #pragma once
 
-#include <sys/wait.h>
-
-#include <array>
-#include <cstdio>
 #include <string>
+
+#include "support/run_program.h"
 
 namespace mocaplm {
 
-struct Ran {
-  int code = -1;     // exit code, or 128 + signal
-  std::string text;  // stdout and stderr
-};
-
 // `arguments` as a shell takes them. Memory is limited to 2 GiB.
 inline Ran run_mocaplm(const std::string& arguments) {
-  const std::string command =
-      "ulimit -v 2097152; " MOCAPLM_BINARY_DIR "/mocaplm " + arguments + " 2>&1";
-  Ran ran;
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  if (pipe == nullptr) return ran;
-  std::array<char, 4096> buffer;
-  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    ran.text.append(buffer.data(), n);
-  const int status = ::pclose(pipe);
-  ran.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return ran;
+  return run_program("ulimit -v 2097152; " MOCAPLM_BINARY_DIR "/mocaplm " + arguments);
 }
 
 }  // namespace mocaplm

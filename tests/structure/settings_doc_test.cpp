@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 
+#include "app/convert_config.h"
 #include "classify/config.h"
 #include "common/files.h"
 #include "common/settings.h"
@@ -154,6 +155,10 @@ TEST(SettingsDocument, Interpolate) {
 
 TEST(SettingsDocument, Import) {
   expect_documented("import", rows_of(ImportConfig()));
+}
+
+TEST(SettingsDocument, Convert) {
+  expect_documented("convert", rows_of(ConvertConfig()));
 }
 
 TEST(SettingsDocument, Gesture) {
