@@ -16,6 +16,7 @@
 #include "model/config.h"
 #include "motion/import/config.h"
 #include "motion/synth.h"
+#include "render/config.h"
 #include "spectral/config.h"
 #include "spectral/filter.h"
 #include "spectral/interpolate/config.h"
@@ -159,6 +160,10 @@ TEST(SettingsDocument, Import) {
 
 TEST(SettingsDocument, Convert) {
   expect_documented("convert", rows_of(ConvertConfig()));
+}
+
+TEST(SettingsDocument, Render) {
+  expect_documented("render", rows_of(RenderConfig()));
 }
 
 TEST(SettingsDocument, Gesture) {
