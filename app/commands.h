@@ -13,6 +13,8 @@ void add_info(CLI::App& app);
 void add_tokenize(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_view(CLI::App& app);
+void add_convert(CLI::App& app);
+void add_render(CLI::App& app);
 void add_gesture(CLI::App& app);
 void add_query(CLI::App& app);
 void add_filter(CLI::App& app);

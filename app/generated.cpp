@@ -59,7 +59,9 @@ Page generated_page(const Generator& generator, const GenerateRequest& request,
 
 std::vector<std::string> generated_files(const std::string& stem) {
   const std::string ending = fs::path(stem).extension().string();
-  if (ending == ".npz" || ending == ".bvh" || ending == ".html") return {stem};
+  if (ending == ".html") return {stem};
+  for (const std::string& format : written_formats())
+    if (ending == "." + format) return {stem};
   return {stem + ".npz", stem + ".bvh", stem + ".html"};
 }
 

@@ -26,6 +26,8 @@ int main(int argc, char** argv) {
   add_evaluate(app);
   add_generate(app);
   add_view(app);
+  add_convert(app);
+  add_render(app);
   add_gesture(app);
   add_query(app);
   add_filter(app);

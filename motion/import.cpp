@@ -13,11 +13,11 @@
 #include "common/progress.h"
 #include "common/settings.h"
 #include "common/text.h"
+#include "motion/floor.h"
 #include "motion/formats/formats.h"
 #include "motion/formats/retarget_map.h"
 #include "motion/import/labels.h"
 #include "motion/import/splits.h"
-#include "motion/skeleton.h"
 
 namespace fs = std::filesystem;
 
@@ -46,19 +46,6 @@ std::uint64_t content_hash(const Clip& clip) {
   add(clip.poses);
   add(clip.trans);
   return hash;
-}
-
-// Moves the clip so that the height under which its lower foot hardly ever comes (one frame in
-// fifty) is the floor.
-void align_floor(Clip& clip) {
-  std::vector<double> lowest;
-  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
-    const JointPositions joints = joint_positions(clip, t);
-    lowest.push_back(std::min({joints(7, 1), joints(8, 1), joints(10, 1), joints(11, 1)}));
-  }
-  const auto at = lowest.begin() + static_cast<std::ptrdiff_t>(lowest.size() / 50);
-  std::nth_element(lowest.begin(), at, lowest.end());
-  clip.trans.col(1).array() -= *at;
 }
 
 ReadOptions read_options(const ImportConfig& config, const FileFacts& facts) {

@@ -7,7 +7,6 @@
 
 #include "common/error.h"
 #include "common/text.h"
-#include "motion/formats/formats.h"
 
 namespace mocaplm {
 
@@ -47,7 +46,8 @@ ClipRange parse_clip_range(const std::string& text) {
   return range;
 }
 
-RangedClip read_clip_range(const std::string& text, const Dataset* dataset) {
+RangedClip read_clip_range(const std::string& text, const Dataset* dataset,
+                           const ReadOptions& options) {
   RangedClip out;
   ClipRange range{text};
   if (dataset != nullptr) out.entry = entry_named(*dataset, text);
@@ -65,7 +65,7 @@ RangedClip read_clip_range(const std::string& text, const Dataset* dataset) {
                                              " nor a motion file" +
                                              did_you_mean(range.clip, names));
   } else {
-    out.clip = read_clip(range.clip);
+    out.clip = read_clip(range.clip, options);
   }
   const Clip& whole = out.clip;
   const auto first = static_cast<Eigen::Index>(std::llround(range.from * whole.fps));

@@ -6,6 +6,7 @@
 
 #include "motion/clip.h"
 #include "motion/dataset.h"
+#include "motion/formats/formats.h"
 
 namespace mocaplm {
 
@@ -25,9 +26,10 @@ struct RangedClip {
   const DatasetEntry* entry = nullptr;  // where it is a clip of the dataset
 };
 
-// A dataset's clip of this name if there is one (`dataset` may be null), else a motion file. Throws
-// UsageError when the range begins beyond the clip's end, DataError when there is neither clip nor
-// file.
-RangedClip read_clip_range(const std::string& text, const Dataset* dataset);
+// A dataset's clip of this name if there is one (`dataset` may be null), else a motion file, read
+// as `options` say. Throws UsageError when the range begins beyond the clip's end, DataError when
+// there is neither clip nor file.
+RangedClip read_clip_range(const std::string& text, const Dataset* dataset,
+                           const ReadOptions& options = {});
 
 }  // namespace mocaplm

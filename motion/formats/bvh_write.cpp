@@ -12,7 +12,6 @@ namespace mocaplm {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kCentimetres = 100;
 constexpr EulerOrder kOrder = {2, 0, 1};  // ZXY
 
 void append(std::string& text, double value, int digits) {
@@ -22,13 +21,22 @@ void append(std::string& text, double value, int digits) {
   text.append(buffer, result.ptr);
 }
 
-void append_offset(std::string& text, const std::string& indent, const Eigen::Vector3d& offset) {
+// How lengths are written: 1e-8 m or 1e-9 m whatever the unit.
+struct Lengths {
+  double per_metre;
+  int offset_digits, channel_digits;
+};
+constexpr Lengths kCentimetres = {100, 6, 7}, kMetres = {1, 8, 9};
+
+void append_offset(std::string& text, const std::string& indent, const Eigen::Vector3d& offset,
+                   const Lengths& lengths) {
   text += indent + "OFFSET";
-  for (int axis = 0; axis < 3; ++axis) append(text += ' ', offset[axis] * kCentimetres, 6);
+  for (int axis = 0; axis < 3; ++axis)
+    append(text += ' ', offset[axis] * lengths.per_metre, lengths.offset_digits);
   text += '\n';
 }
 
-void append_joint(std::string& text, int joint, const std::string& indent) {
+void append_joint(std::string& text, int joint, const std::string& indent, const Lengths& lengths) {
   const auto j = static_cast<std::size_t>(joint);
   const int parent = joint_parents()[j];
   const JointPositions& rest = rest_joints();
@@ -36,20 +44,20 @@ void append_joint(std::string& text, int joint, const std::string& indent) {
   const std::string inside = indent + "  ";
   const Eigen::RowVector3d origin =
       parent < 0 ? Eigen::RowVector3d(0, 0, 0) : Eigen::RowVector3d(rest.row(parent));
-  append_offset(text, inside, (rest.row(joint) - origin).transpose());
+  append_offset(text, inside, (rest.row(joint) - origin).transpose(), lengths);
   text += inside + (parent < 0
                         ? "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
                         : "CHANNELS 3 Zrotation Xrotation Yrotation\n");
   bool leaf = true;
   for (int child = joint + 1; child < kJoints; ++child)
     if (joint_parents()[static_cast<std::size_t>(child)] == joint) {
-      append_joint(text, child, inside);
+      append_joint(text, child, inside, lengths);
       leaf = false;
     }
   if (leaf) {  // a short bone in the parent's direction, so that viewers draw the last joint
     const Eigen::Vector3d bone = (rest.row(joint) - rest.row(parent)).transpose();
     text += inside + "End Site\n" + inside + "{\n";
-    append_offset(text, inside + "  ", bone);
+    append_offset(text, inside + "  ", bone, lengths);
     text += inside + "}\n";
   }
   text += indent + "}\n";
@@ -81,9 +89,10 @@ void order_joints(int joint, std::vector<int>& order) {
 
 }  // namespace
 
-std::string bvh_text(const Clip& clip) {
+std::string bvh_text(const Clip& clip, BvhUnit unit) {
+  const Lengths& lengths = unit == BvhUnit::metres ? kMetres : kCentimetres;
   std::string text = "HIERARCHY\n";
-  append_joint(text, 0, "");
+  append_joint(text, 0, "", lengths);
   text += "MOTION\nFrames: " + std::to_string(clip.frames()) + "\nFrame Time: ";
   append(text, 1 / clip.fps, 15);
   text += '\n';
@@ -92,10 +101,10 @@ std::string bvh_text(const Clip& clip) {
   Eigen::Matrix<double, 3, kJoints> previous = Eigen::Matrix<double, 3, kJoints>::Zero();
   for (Eigen::Index t = 0; t < clip.frames(); ++t) {
     const Eigen::Vector3d pelvis =
-        (clip.trans.row(t) + rest_joints().row(0)).transpose() * kCentimetres;
-    append(text, pelvis.x(), 7);
-    append(text += ' ', pelvis.y(), 7);
-    append(text += ' ', pelvis.z(), 7);
+        (clip.trans.row(t) + rest_joints().row(0)).transpose() * lengths.per_metre;
+    append(text, pelvis.x(), lengths.channel_digits);
+    append(text += ' ', pelvis.y(), lengths.channel_digits);
+    append(text += ' ', pelvis.z(), lengths.channel_digits);
     for (const int joint : order) {
       const Eigen::Vector3d v = clip.poses.row(t).segment<3>(3 * joint).transpose();
       previous.col(joint) = continuous_euler(matrix_from_axis_angle(v), previous.col(joint));
@@ -106,9 +115,9 @@ std::string bvh_text(const Clip& clip) {
   return text;
 }
 
-void write_bvh(const std::filesystem::path& path, const Clip& clip) {
+void write_bvh(const std::filesystem::path& path, const Clip& clip, BvhUnit unit) {
   check_clip(clip, path.string());
-  write_file(path, bvh_text(clip));
+  write_file(path, bvh_text(clip, unit));
 }
 
 }  // namespace mocaplm

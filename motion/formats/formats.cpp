@@ -4,6 +4,8 @@
 #include "common/files.h"
 #include "common/text.h"
 #include "motion/formats/aist.h"
+#include "motion/formats/glb.h"
+#include "motion/formats/joint_csv.h"
 #include "motion/formats/npz.h"
 #include "motion/formats/retarget.h"
 
@@ -13,7 +15,7 @@ namespace mocaplm {
 
 namespace {
 
-enum class Format { unknown, npz, pkl, bvh };
+enum class Format { unknown, npz, pkl, bvh, glb, csv };
 
 std::string title(Format format) {
   switch (format) {
@@ -23,6 +25,8 @@ std::string title(Format format) {
       return "a Python pickle (.pkl)";
     case Format::bvh:
       return "a BVH text (.bvh)";
+    case Format::glb:
+      return "a glTF figure (.glb)";
     default:
       return "none of .npz, .pkl and .bvh";
   }
@@ -33,7 +37,13 @@ Format by_extension(const fs::path& path) {
   return extension == ".npz"   ? Format::npz
          : extension == ".pkl" ? Format::pkl
          : extension == ".bvh" ? Format::bvh
+         : extension == ".glb" ? Format::glb
+         : extension == ".csv" ? Format::csv
                                : Format::unknown;
+}
+
+bool is_read(Format format) {
+  return format == Format::npz || format == Format::pkl || format == Format::bvh;
 }
 
 bool begins_with(const std::string& text, const std::string& begin) {
@@ -43,6 +53,7 @@ bool begins_with(const std::string& text, const std::string& begin) {
 Format by_content(const std::string& head) {
   if (begins_with(head, "PK\3\4") || begins_with(head, "PK\5\6")) return Format::npz;
   if (begins_with(head, "\x80")) return Format::pkl;
+  if (begins_with(head, "glTF")) return Format::glb;
   const std::size_t bom = begins_with(head, "\xef\xbb\xbf") ? 3 : 0;
   const std::size_t word = head.find_first_not_of(" \t\r\n", bom);
   if (word != std::string::npos && lower(head.substr(word, 9)) == "hierarchy") return Format::bvh;
@@ -55,6 +66,10 @@ Format format_of(const fs::path& path) {
   const std::string head = read_head(path, 64);
   const Format named = by_extension(path), found = by_content(head);
   if (head.empty()) throw DataError(in_file(file), "is empty");
+  if ((named == Format::glb || named == Format::csv) && !is_read(found))
+    throw DataError(in_file(file), "is a " + path.extension().string() +
+                                       ", which is written but not read; expected .npz (AMASS), "
+                                       ".pkl (AIST++) or .bvh");
   if (named == Format::unknown)
     throw DataError(
         in_file(file),
@@ -70,7 +85,7 @@ Format format_of(const fs::path& path) {
 }  // namespace
 
 bool is_motion_file(const fs::path& path) {
-  return by_extension(path) != Format::unknown;
+  return is_read(by_extension(path));
 }
 
 Clip read_clip(const fs::path& path, const ReadOptions& options, RetargetReport* report) {
@@ -97,17 +112,29 @@ Clip read_clip(const fs::path& path, const ReadOptions& options, RetargetReport*
   return clip;
 }
 
-void write_clip(const fs::path& path, const Clip& clip) {
+const std::vector<std::string>& written_formats() {
+  static const std::vector<std::string> formats = {"npz", "bvh", "glb", "csv"};
+  return formats;
+}
+
+void check_written_format(const fs::path& path) {
+  const Format format = by_extension(path);
+  if (format == Format::unknown || format == Format::pkl)
+    throw UsageError("cannot write motion to \"" + path.string() + "\": the name must end in ." +
+                     join(written_formats(), ", ."));
+}
+
+void write_clip(const fs::path& path, const Clip& clip, const WriteOptions& options) {
+  check_written_format(path);
   switch (by_extension(path)) {
     case Format::npz:
-      write_npz(path, clip);
-      return;
+      return write_npz(path, clip);
     case Format::bvh:
-      write_bvh(path, clip);
-      return;
+      return write_bvh(path, clip, options.bvh_unit);
+    case Format::glb:
+      return write_glb(path, clip);
     default:
-      throw UsageError("cannot write motion to \"" + path.string() +
-                       "\": the name must end in .npz or .bvh");
+      return write_joint_csv(path, clip);
   }
 }
 

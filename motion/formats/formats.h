@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "motion/clip.h"
+#include "motion/formats/bvh_unit.h"
 #include "motion/formats/up_axis.h"
 
 namespace mocaplm {
@@ -29,8 +30,20 @@ bool is_motion_file(const std::filesystem::path& path);
 Clip read_clip(const std::filesystem::path& path, const ReadOptions& options = {},
                RetargetReport* report = nullptr);
 
-// Writes .npz or .bvh, by the extension. Throws UsageError for other extensions, DataError when the
-// clip is not sound or the disk refuses.
-void write_clip(const std::filesystem::path& path, const Clip& clip);
+struct WriteOptions {
+  BvhUnit bvh_unit = BvhUnit::centimetres;
+};
+
+// What write_clip can write, without a dot: "npz", "bvh", "glb", "csv".
+const std::vector<std::string>& written_formats();
+
+// Throws UsageError unless the path's extension is one of these, in any case.
+void check_written_format(const std::filesystem::path& path);
+
+// Writes an AMASS .npz, a .bvh, a .glb with a figure (glb.h) or a .csv of joint positions
+// (joint_csv.h), by the extension. Throws UsageError for other extensions, DataError when the clip
+// is not sound or the disk refuses.
+void write_clip(const std::filesystem::path& path, const Clip& clip,
+                const WriteOptions& options = {});
 
 }  // namespace mocaplm

@@ -1,34 +1,19 @@
 // Runs the built program, or any, and catches what it says.
 #pragma once
 
-#include <sys/wait.h>
-
-#include <array>
-#include <cstdio>
 #include <string>
+
+#include "support/run_program.h"
 
 namespace mocaplm {
 
-struct Ran {
-  int code = -1;     // exit code, or 128 + signal
-  std::string text;  // stdout and stderr
-};
-
-inline Ran run_shell(const std::string& command) {
-  Ran ran;
-  std::FILE* pipe = ::popen(("{ " + command + "; } 2>&1").c_str(), "r");
-  if (pipe == nullptr) return ran;
-  std::array<char, 4096> buffer;
-  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    ran.text.append(buffer.data(), n);
-  const int status = ::pclose(pipe);
-  ran.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return ran;
+// `arguments` as a shell takes them. Memory is limited to 2 GiB.
+inline Ran run_program(const std::string& program, const std::string& arguments) {
+  return run_shell("ulimit -v 2097152; '" + program + "' " + arguments);
 }
 
-// `arguments` as a shell takes them. Memory is limited to 2 GiB.
 inline Ran run_mocaplm(const std::string& arguments) {
-  return run_shell("ulimit -v 2097152; " MOCAPLM_BINARY_DIR "/mocaplm " + arguments);
+  return run_program(MOCAPLM_BINARY_DIR "/mocaplm", arguments);
 }
 
 }  // namespace mocaplm

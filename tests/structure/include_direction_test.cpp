@@ -53,6 +53,7 @@ const std::vector<Directory> kDirectories = {
      {"common", "motion", "tokenizer", "model", "train", "classify", "evaluate"},
      true},
     {"viewer", {"common", "motion"}},
+    {"render", {"common", "motion"}},
     {"emulator/evaluation", {"common", "numeric", "motion", "emulator", "viewer"}},
     {"app", {"*"}},
     {"tests", {"*"}, true},

@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 
+#include "app/convert_config.h"
 #include "classify/config.h"
 #include "common/files.h"
 #include "common/settings.h"
@@ -16,6 +17,7 @@
 #include "model/config.h"
 #include "motion/import/config.h"
 #include "motion/synth.h"
+#include "render/config.h"
 #include "spectral/config.h"
 #include "spectral/filter.h"
 #include "spectral/interpolate/config.h"
@@ -164,6 +166,14 @@ TEST(SettingsDocument, Emulate) {
   expect_documented("emulate: alignment", rows_of(AlignOptions()));
   expect_documented("emulate: schemes", rows_of(SchemeOptions()));
   expect_documented("emulate test", rows_of(EvaluationOptions()));
+}
+
+TEST(SettingsDocument, Convert) {
+  expect_documented("convert", rows_of(ConvertConfig()));
+}
+
+TEST(SettingsDocument, Render) {
+  expect_documented("render", rows_of(RenderConfig()));
 }
 
 TEST(SettingsDocument, Gesture) {

@@ -1,0 +1,53 @@
+// mocaplm convert: motion files of one format into files of another.
+#include <memory>
+
+#include "app/commands.h"
+#include "app/convert_files.h"
+#include "app/options.h"
+#include "app/read_options.h"
+#include "common/error.h"
+#include "common/files.h"
+
+namespace mocaplm {
+
+namespace {
+
+struct ConvertCommand {
+  ConvertJob job;
+  std::vector<std::string> names;
+  std::string json;
+
+  void run() {
+    if (names.size() < 2) throw UsageError("name a motion, and after it the file to write");
+    check_writable(json);
+    job.inputs.assign(names.begin(), names.end() - 1);
+    job.out = names.back();
+    print_table(convert_files(job), json);
+  }
+};
+
+}  // namespace
+
+void add_convert(CLI::App& app) {
+  CLI::App* convert = app.add_subcommand(
+      "convert", "turn motion files into .bvh, .npz, .glb (a skinned figure) or .csv (joints)");
+  const auto command = std::make_shared<ConvertCommand>();
+  ConvertJob& job = command->job;
+  convert
+      ->add_option("CLIP OUT", command->names,
+                   "motion files (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds), or dataset "
+                   "folders; last the file to write, or with --to a folder")
+      ->required();
+  bind_options(*convert, job.config);
+  convert->add_option("--clip", job.clips, "these clips of the dataset folders (default: all)")
+      ->delimiter(',')
+      ->allow_extra_args(false);  // what follows is a motion again
+  add_read_options(*convert, job.read);
+  convert->add_option("--threads", job.threads, "files at a time; 0: one for each core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  convert->add_option("--json", command->json, "also write the table to this file");
+  convert->callback([command] { command->run(); });
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,94 @@
+#include "app/convert_files.h"
+
+#include <map>
+#include <mutex>
+
+#include "app/motion_inputs.h"
+#include "common/error.h"
+#include "common/files.h"
+#include "common/parallel.h"
+#include "common/progress.h"
+#include "common/text.h"
+
+namespace fs = std::filesystem;
+
+namespace mocaplm {
+
+namespace {
+
+void refuse_own_source(const MotionInput& input, const fs::path& out) {
+  std::error_code missing;
+  if (fs::equivalent(input.file(), out, missing))
+    throw UsageError(out.string() + " is the motion to be converted: give another name");
+}
+
+// Where each motion goes.
+std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>& inputs) {
+  if (job.config.to == "auto") {
+    if (inputs.size() > 1 || fs::is_directory(job.out))
+      throw UsageError(job.out.string() + " is to be a folder: give --to " +
+                       join(written_formats(), ", --to "));
+    check_written_format(job.out);
+    refuse_own_source(inputs.front(), job.out);
+    return {job.out};
+  }
+  if (fs::exists(job.out) && !fs::is_directory(job.out))
+    throw UsageError(job.out.string() + " is a file; with --to the last name is a folder");
+  std::vector<fs::path> files;
+  std::map<fs::path, std::string> taken;
+  for (const MotionInput& input : inputs) {
+    files.push_back(job.out / (input.name + "." + job.config.to));
+    const auto [first, fresh] = taken.emplace(files.back(), input.text);
+    if (!fresh)
+      throw UsageError(first->second + " and " + input.text + " would both be written to " +
+                       files.back().string() + ": convert them into two folders");
+    refuse_own_source(input, files.back());
+  }
+  return files;
+}
+
+std::string done_to_all(const ConvertConfig& config) {
+  std::vector<std::string> done;
+  if (config.edit.fps > 0) done.push_back("resampled");
+  if (config.edit.mirror) done.push_back("mirrored");
+  if (config.edit.face) done.push_back("first frame faces +Z");
+  if (config.edit.floor) done.push_back("soles at height 0");
+  return join(done, ", ");
+}
+
+}  // namespace
+
+Table convert_files(const ConvertJob& job) {
+  const std::vector<MotionInput> inputs = find_motions(job.inputs, job.clips);
+  if (inputs.empty()) throw UsageError("there is nothing to convert");
+  const std::vector<fs::path> files = plan(job, inputs);
+  check_writable(files.front());
+  WriteOptions options;
+  options.bvh_unit = job.config.unit == "m" ? BvhUnit::metres : BvhUnit::centimetres;
+
+  std::vector<std::vector<Json>> rows(inputs.size());
+  std::mutex mutex;
+  Progress progress("converting", inputs.size(), "clips");
+  parallel_for(inputs.size(), job.threads, [&](std::size_t i) {
+    const Clip clip = edited(read_motion(inputs[i], job.read), job.config.edit);
+    write_clip(files[i], clip, options);
+    rows[i] = {files[i].string(), inputs[i].text, clip.frames(), clip.fps, clip.seconds()};
+    const std::lock_guard<std::mutex> lock(mutex);
+    progress.add();
+  });
+  progress.finish();
+
+  Table table("", {"file", "from", "frames", "frames per second", "seconds"});
+  table.digits({-1, -1, -1, -1, 2});
+  for (std::vector<Json>& row : rows) table.row(std::move(row));
+  const std::string done = done_to_all(job.config);
+  if (!done.empty()) table.note(done);
+  for (const MotionInput& input : inputs)
+    if (input.dataset && input.dataset->procedural) {
+      table.note("procedural dances: rules made them, nobody danced them");
+      break;
+    }
+  return table;
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,72 @@
+// mocaplm render: a clip as a picture or a film.
+#include "render/render.h"
+
+#include <memory>
+
+#include "app/commands.h"
+#include "app/motion_inputs.h"
+#include "app/options.h"
+#include "app/read_options.h"
+#include "common/error.h"
+#include "common/files.h"
+
+namespace mocaplm {
+
+namespace {
+
+struct RenderCommand {
+  std::string clip, dataset_clip, out, json;
+  ReadOptions read;
+  RenderConfig config;
+  std::int64_t threads = 0;
+
+  void run() const {
+    check_render_path(out);
+    check_writable(out);
+    check_writable(json);
+    const std::vector<std::string> chosen =
+        dataset_clip.empty() ? std::vector<std::string>() : std::vector<std::string>{dataset_clip};
+    const std::vector<MotionInput> found = find_motions({clip}, chosen);
+    if (found.size() != 1)
+      throw UsageError(clip + " holds " + std::to_string(found.size()) +
+                       " clips: choose one with --clip");
+    const Clip motion = read_motion(found[0], read);
+    const std::int64_t pictures = render_clip(motion, out, config, threads);
+    Table table("", {"rendered", "value"});
+    table.row({"file", out});
+    table.row({"clip", found[0].text});
+    table.row({"seconds of motion", motion.seconds()});
+    table.row({"pictures", pictures});
+    table.row({"size", std::to_string(config.width) + " x " + std::to_string(config.height)});
+    if (found[0].dataset && found[0].dataset->procedural)
+      table.note("a procedural dance: rules made it, nobody danced it");
+    print_table(table, json);
+  }
+};
+
+}  // namespace
+
+void add_render(CLI::App& app) {
+  CLI::App* render = app.add_subcommand("render", "draw a clip as a .png, .mp4 or .gif");
+  const auto command = std::make_shared<RenderCommand>();
+  render
+      ->add_option(
+          "CLIP", command->clip,
+          "motion file (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds), or a dataset "
+          "folder with --clip")
+      ->required();
+  render
+      ->add_option("--out", command->out,
+                   "the picture (.png) or film (.mp4, .gif: made by the program ffmpeg)")
+      ->required();
+  bind_options(*render, command->config);
+  render->add_option("--clip", command->dataset_clip, "this clip of the dataset folder");
+  add_read_options(*render, command->read);
+  render->add_option("--threads", command->threads, "frames drawn at a time; 0: one for each core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  render->add_option("--json", command->json, "also write the table to this file");
+  render->callback([command] { command->run(); });
+}
+
+}  // namespace mocaplm

@@ -1,0 +1,141 @@
+// convert as it is called: every ending, parts, folders, datasets, refusals.
+#include <gtest/gtest.h>
+
+#include "app/command_line.h"
+#include "common/csv.h"
+#include "common/files.h"
+#include "common/json.h"
+#include "motion/edit.h"
+#include "motion/floor.h"
+#include "motion/formats/formats.h"
+#include "motion/formats/npz.h"
+#include "motion/mirror.h"
+#include "motion/skeleton.h"
+#include "support/glb_file.h"
+#include "support/refusal.h"
+#include "support/small_dataset.h"
+#include "temporary_folder.h"
+
+namespace fs = std::filesystem;
+
+namespace mocaplm {
+namespace {
+
+class Convert : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    write_dataset(*folder_ / "data", {{"a", "train", 80, {{"genre", "x"}}, 20, 7},
+                                      {"b", "test", 40, {{"genre", "x"}}, 20, 8}});
+    write_npz(*folder_ / "walk.npz", random_clip(9, 60, 30, "walk"));
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static std::string at(const std::string& name) { return (*folder_ / name).string(); }
+  static Clip walk() { return read_npz(at("walk.npz")); }
+
+  static void converts(const std::string& arguments) {
+    const Ran ran = run_mocaplm("convert " + arguments);
+    ASSERT_EQ(ran.code, 0) << arguments << "\n" << ran.text;
+  }
+  static void refused(const std::string& arguments, int code, const std::string& part) {
+    const Ran ran = run_mocaplm("convert " + arguments);
+    EXPECT_EQ(ran.code, code) << arguments << "\n" << ran.text;
+    EXPECT_TRUE(contains(ran.text, part)) << ran.text;
+  }
+
+  static double way_apart(const Clip& a, const Clip& b) {
+    EXPECT_EQ(a.frames(), b.frames());
+    double most = 0;
+    for (Eigen::Index t = 0; t < std::min(a.frames(), b.frames()); ++t)
+      most = std::max(most, (joint_positions(a, t) - joint_positions(b, t)).cwiseAbs().maxCoeff());
+    return most;
+  }
+
+  static TemporaryFolder* folder_;
+};
+
+TemporaryFolder* Convert::folder_ = nullptr;
+
+TEST_F(Convert, GoesThroughEveryEndingThatIsRead) {
+  converts(at("walk.npz") + " " + at("cm.bvh"));
+  converts(at("cm.bvh") + " " + at("again.npz"));
+  converts(at("again.npz") + " --unit m " + at("m.bvh"));
+  for (const char* name : {"cm.bvh", "again.npz", "m.bvh"}) {
+    const Clip back = read_clip(at(name));
+    EXPECT_LT(way_apart(back, walk()), 1e-6) << name;
+    EXPECT_EQ(back.fps, 30) << name;
+  }
+}
+
+TEST_F(Convert, WritesAFigureAndATableOfJoints) {
+  converts(at("walk.npz") + " " + at("walk.glb") + " --json " + at("table.json"));
+  const GlbFile file(read_file(at("walk.glb")));
+  const Float3 hand = file.pose(41).positions[22];
+  const JointPositions truth = joint_positions(walk(), 41);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(hand[i], truth(22, static_cast<Eigen::Index>(i)), 1e-5);
+  const Json row = load_json(at("table.json"))["rows"][0];
+  EXPECT_EQ(row["file"], at("walk.glb"));
+  EXPECT_EQ(row["frames"], 60);
+
+  converts(at("walk.npz") + " " + at("walk.csv"));
+  const Csv table = read_csv(at("walk.csv"));
+  ASSERT_EQ(table.rows.size(), 60u);
+  EXPECT_NEAR(std::stod(table.rows[41][table.column("left_hand_y")]), truth(22, 1), 1e-6);
+}
+
+TEST_F(Convert, EditsOnTheWay) {
+  converts(at("walk.npz") + ":0.5-1.5 " + at("part.npz") + " --face --floor --fps 15");
+  const Clip part = read_npz(at("part.npz"));
+  EXPECT_EQ(part.frames(), 15);
+  EXPECT_EQ(part.fps, 15);
+  EXPECT_NEAR(facing(part, 0), 0, 1e-9);
+  EXPECT_NEAR(floor_height(part), kSoleBelowFoot, 1e-9);
+  EditConfig edits;
+  edits.fps = 15;
+  edits.face = edits.floor = true;
+  EXPECT_EQ(part.poses, edited(slice(walk(), 15, 30), edits).poses);
+
+  converts(at("walk.npz") + " --mirror " + at("mirrored.npz"));
+  EXPECT_EQ(read_npz(at("mirrored.npz")).poses, mirror(walk()).poses);
+}
+
+TEST_F(Convert, FillsAFolder) {
+  converts(at("data") + " " + at("walk.npz") + " " + at("walk.npz") + ":0-1 " + at("out") +
+           " --to bvh --threads 2");
+  for (const char* name : {"a.bvh", "b.bvh", "walk.bvh", "walk_0-1.bvh"})
+    EXPECT_TRUE(fs::exists(*folder_ / "out" / name)) << name;
+  EXPECT_EQ(read_clip(at("out/a.bvh")).frames(), 80);
+  EXPECT_EQ(read_clip(at("out/walk_0-1.bvh")).frames(), 30);
+
+  converts("--clip b:1-,a " + at("data") + " " + at("some") + " --to csv");
+  EXPECT_EQ(read_csv(at("some/b_1-.csv")).rows.size(), 20u);
+  EXPECT_EQ(std::distance(fs::directory_iterator(at("some")), fs::directory_iterator()), 2);
+
+  converts(at("data") + " --clip b " + at("one.glb"));
+  EXPECT_EQ(GlbFile(read_file(at("one.glb"))).json["animations"][0]["name"], "b");
+}
+
+TEST_F(Convert, RefusesWhatCannotBe) {
+  const std::string walk = at("walk.npz");
+  refused(walk, 2, "the file to write");
+  refused(walk + " " + at("x.fbx"), 2, ".glb");
+  refused(walk + " " + at("x.pkl"), 2, "must end in");
+  refused(walk + " " + walk, 2, "another name");
+  refused(walk + " " + walk + " " + at("x.bvh"), 2, "--to npz");
+  refused(walk + " " + walk + " " + at("twice") + " --to bvh", 2, "both be written");
+  refused(walk + " " + folder_->path().string() + " --to npz", 2, "another name");
+  refused(walk + " " + walk + " --to npz", 2, "is a file");
+  refused(walk + ":5-6 " + at("x.bvh"), 2, "begins at 5");
+  refused(walk + " " + at("x.bvh") + " --fps 0.000001 --unit inch", 2, "inch");
+  refused(at("data") + " --clip c " + at("x.bvh"), 2, "no clip is named");
+  refused(walk + " --clip a " + at("x.bvh"), 2, "none was given");
+  refused(at("none.npz") + " " + at("x.bvh"), 3, "none.npz");
+  refused(folder_->path().string() + " " + at("x") + " --to npz", 3, "dataset.json");
+  EXPECT_FALSE(fs::exists(at("x.bvh")));
+  EXPECT_FALSE(fs::exists(at("twice")));
+}
+
+}  // namespace
+}  // namespace mocaplm
