@@ -14,12 +14,9 @@ struct Ran {
   std::string text;  // stdout and stderr
 };
 
-// `arguments` as a shell takes them. Memory is limited to 2 GiB.
-inline Ran run_mocaplm(const std::string& arguments) {
-  const std::string command =
-      "ulimit -v 2097152; " MOCAPLM_BINARY_DIR "/mocaplm " + arguments + " 2>&1";
+inline Ran run_shell(const std::string& command) {
   Ran ran;
-  std::FILE* pipe = ::popen(command.c_str(), "r");
+  std::FILE* pipe = ::popen(("{ " + command + "\n} 2>&1").c_str(), "r");
   if (pipe == nullptr) return ran;
   std::array<char, 4096> buffer;
   while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
@@ -27,6 +24,15 @@ inline Ran run_mocaplm(const std::string& arguments) {
   const int status = ::pclose(pipe);
   ran.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return ran;
+}
+
+// `arguments` as a shell takes them. Memory is limited to 2 GiB.
+inline Ran run_program(const std::string& program, const std::string& arguments) {
+  return run_shell("ulimit -v 2097152; '" + program + "' " + arguments);
+}
+
+inline Ran run_mocaplm(const std::string& arguments) {
+  return run_program(MOCAPLM_BINARY_DIR "/mocaplm", arguments);
 }
 
 }  // namespace mocaplm
