@@ -53,7 +53,7 @@ void run_classify(const CLI::App& app, const ClassifyCommand& command) {
 
 void add_classify(CLI::App& app) {
   CLI::App* classify = app.add_subcommand(
-      "classify", "train and test a classifier beside LDA and the majority class, or use one");
+      "classify", "train and test a classifier beside simple ones, or use a kept one");
   auto command = std::make_shared<ClassifyCommand>();
   ClassifyOptions& train = command->train;
   classify
@@ -65,7 +65,7 @@ void add_classify(CLI::App& app) {
   classify->add_option("--data", train.data, "labelled dataset folder to train and test on");
   classify->add_option("--out", train.out, "keep the classifier and its tables in this folder");
   classify->add_option("--split", train.split, "clips to test on")
-      ->check(CLI::IsMember({"validation", "test"}))
+      ->check(one_of({"validation", "test"}))
       ->capture_default_str();
   classify->add_option("--json", command->json, "also write the tables as JSON");
   classify->add_option("--page", command->page,

@@ -19,6 +19,9 @@ void add_gesture(CLI::App& app);
 void add_query(CLI::App& app);
 void add_filter(CLI::App& app);
 void add_emulate(CLI::App& app);
+void add_doctor(CLI::App& app);
+void add_completion(CLI::App& app);
+void add_man_page(CLI::App& app);
 
 void add_train(CLI::App& app);
 void add_classify(CLI::App& app);
@@ -27,5 +30,6 @@ void add_experiment(CLI::App& app);
 void add_infill(CLI::App& app);
 void add_interpolate(CLI::App& app);
 void add_demo(CLI::App& app);
+void add_torch_commands(CLI::App& app);
 
 }  // namespace mocaplm

@@ -30,7 +30,7 @@ struct ConvertCommand {
 
 void add_convert(CLI::App& app) {
   CLI::App* convert = app.add_subcommand(
-      "convert", "turn motion files into .bvh, .npz, .glb (a skinned figure) or .csv (joints)");
+      "convert", "turn motion files into .bvh, .npz, .glb (a figure) or .csv");
   const auto command = std::make_shared<ConvertCommand>();
   ConvertJob& job = command->job;
   convert

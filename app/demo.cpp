@@ -8,7 +8,7 @@
 namespace mocaplm {
 
 void add_demo(CLI::App& app) {
-  CLI::App* demo = app.add_subcommand("demo", "the whole walk on procedural dances, in minutes");
+  CLI::App* demo = app.add_subcommand("demo", "do all of it on procedural dances, in minutes");
   auto options = std::make_shared<WalkOptions>();
   demo->add_option("--out", options->out, "folder to fill; an earlier demo there is replaced")
       ->capture_default_str();

@@ -1,12 +1,14 @@
 #include "app/described.h"
 
 #include <algorithm>
+#include <map>
 
+#include "app/described_parts.h"
 #include "common/error.h"
-#include "common/files.h"
 #include "common/settings.h"
 #include "common/text.h"
 #include "emulator/motions.h"
+#include "gesture/model.h"
 #include "model/directory.h"
 #include "motion/formats/aist.h"
 #include "motion/formats/formats.h"
@@ -25,13 +27,6 @@ std::string label_text(const Labels& labels) {
   std::vector<std::string> parts;
   for (const auto& [label, value] : labels) parts.push_back(label + " " + value);
   return parts.empty() ? "none" : join(parts, ", ");
-}
-
-// What the names of clips and the labels of a model or tokenizer may be, shortened.
-std::string value_text(std::vector<std::string> values) {
-  const std::size_t count = values.size();
-  if (count > 12) values.resize(12);
-  return std::to_string(count) + ": " + join(values, ", ") + (count > 12 ? ", ..." : "");
 }
 
 void add_floor_rows(Table& table, const Clip& clip) {
@@ -113,12 +108,6 @@ std::vector<Table> describe_tokenizer(const fs::path& path) {
   return {table};
 }
 
-// A damaged file is the tokenizer reader's to complain about.
-bool is_emulator(const fs::path& path) {
-  const std::string head = read_head(path, 40);
-  return head.find("\"mocaplm emulator\"") != std::string::npos;
-}
-
 std::vector<Table> describe_emulator(const fs::path& path) {
   const MotionEmulator motions = load_motion_emulator(path);
   const Emulator& emulator = *motions.emulator;
@@ -137,48 +126,76 @@ std::vector<Table> describe_emulator(const fs::path& path) {
   return {table};
 }
 
-std::vector<Table> describe_model(const fs::path& path) {
-  const ModelDescription model = load_description(path);
-  check_complete(path);
-  Table table(path.string(), {"model", model.config.architecture});
-  const Json settings = settings_json(model.config);  // items() only points into it
-  for (const auto& item : settings.items())
-    if (item.key() != "architecture") table.row({item.key(), item.value()});
-  table.row({"vocabulary", model.shape.vocabulary});
-  table.row({model.has_pieces() ? "characters per frame" : "tokens per frame",
-             model.shape.tokens_per_frame()});
-  table.row({"tokenizer", model.tokenizer_fingerprint});
-  if (model.has_pieces())
-    table.row({"pieces", std::to_string(model.shape.pieces) + " of 2 to " +
-                             std::to_string(model.shape.longest) + " characters, fingerprint " +
-                             model.pieces_fingerprint});
-  table.row({"conditions", model.conditions.empty() ? "none" : join(model.conditions, ", ")});
-  for (const auto& [label, values] : model.classes)
-    table.row({"classifies " + label, value_text(values)});
-  std::error_code error;
-  const std::uintmax_t bytes = fs::file_size(path / "model.safetensors", error);
-  if (!error) table.row({"parameters, about", bytes / sizeof(float)});
-  if (model.procedural) table.note("Trained on procedural dances only: rules made them.");
+std::vector<Table> describe_gesture(const fs::path& path) {
+  const GestureModel model = load_gesture(path);
+  Table table(path.string(), {"gesture model", "value"});
+  table.row({"made from", model.source});
+  for (const PhaseModel& phase : model.phases)
+    table.row({"phase " + phase.name,
+               std::to_string(phase.demonstrations.size()) + " demonstrations of " +
+                   format_fixed(phase.shortest(), 2) + " to " + format_fixed(phase.longest(), 2) +
+                   " s; " + join(phase.coordinates, ", ")});
+  table.row({"conditions", join(model.phases[0].conditions, ", ")});
   return {table};
+}
+
+// Which reader a JSON file is for; files that say it are told by "format".
+std::vector<Table> describe_json_file(const fs::path& path, const fs::path& folder) {
+  const Json json = load_json(path);
+  const std::string format = text_of(json, "format");
+  if (path.filename() == "dataset.json" || format == "mocaplm dataset")
+    return describe_dataset(folder);
+  if (path.filename() == "config.json" && json.is_object() && json.contains("stream"))
+    return describe_model(folder);
+  if (path.filename() == "tokenizer.json" || format == "mocaplm tokenizer" ||
+      format == TileTokenizer::kFormat)
+    return describe_tokenizer(path);
+  if (format == "mocaplm emulator") return describe_emulator(path);
+  if (format == "mocaplm gesture") return describe_gesture(path);
+  return describe_json(path, json);
+}
+
+std::vector<Table> describe_folder(const fs::path& path) {
+  if (is_dataset(path)) return describe_dataset(path);
+  if (is_run(path)) return describe_run(path);
+  for (const char* model : {"config.json", "best/config.json", "last/config.json"})
+    if (fs::exists(path / model)) return describe_model(resolve_model(path));
+  if (is_experiment(path)) return describe_experiment(path);
+  if (fs::exists(path / "demo.json")) {
+    std::vector<Table> tables = describe_json_file(path / "demo.json", path);
+    tables[0].note("Its parts: dances, pretrained, model, classifier; open index.html.");
+    return tables;
+  }
+  if (fs::exists(path / "tokenizer.json")) return describe_tokenizer(path / "tokenizer.json");
+  throw DataError(in_file(path.string()),
+                  "is neither a dataset (with a dataset.json) nor a model or training run (with a "
+                  "config.json), an experiment or a demo");
+}
+
+using Describe = std::vector<Table> (*)(const fs::path&);
+
+// By the ending; null for motion files.
+Describe describer_of(const std::string& ending) {
+  static const std::map<std::string, Describe> all = {
+      {".html", describe_page},    {".svg", describe_picture},
+      {".txt", describe_corpus},   {".csv", describe_recordings},
+      {".jsonl", describe_lines},  {".index", describe_index},
+      {".model", describe_pieces}, {".safetensors", describe_safetensors},
+      {".glb", describe_glb},      {".png", describe_film},
+      {".gif", describe_film},     {".mp4", describe_film}};
+  const auto found = all.find(ending);
+  return found == all.end() ? nullptr : found->second;
 }
 
 }  // namespace
 
 std::vector<Table> describe_path(const fs::path& path) {
   if (!fs::exists(path)) throw DataError(in_file(path.string()), "no such file or folder");
-  if (fs::is_directory(path)) {
-    if (is_dataset(path)) return describe_dataset(path);
-    for (const char* model : {"config.json", "best/config.json", "last/config.json"})
-      if (fs::exists(path / model)) return describe_model(resolve_model(path));
-    throw DataError(in_file(path.string()),
-                    "is neither a dataset (with a dataset.json) nor a model "
-                    "or training run (with a config.json)");
-  }
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  if (path.filename() == "dataset.json") return describe_dataset(folder);
-  if (path.filename() == "config.json") return describe_model(folder);
-  if (path.extension() == ".json")
-    return is_emulator(path) ? describe_emulator(path) : describe_tokenizer(path);
+  if (fs::is_directory(path)) return describe_folder(path);
+  const std::string ending = lower(path.extension().string());
+  if (ending == ".json" || path.filename() == "complete")
+    return describe_json_file(path, path.has_parent_path() ? path.parent_path() : ".");
+  if (const Describe describe = describer_of(ending)) return describe(path);
   return describe_clip(path);
 }
 

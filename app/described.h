@@ -8,9 +8,10 @@
 
 namespace mocaplm {
 
-// One table or more for a motion file, a dataset's folder or dataset.json, a tokenizer.json, an
-// emulator's file, a model's or training run's folder or config.json. Throws DataError for anything
-// else, and where the file is not sound.
+// A few lines on whatever this program reads or writes: motion files, datasets, tokenizers, models,
+// training runs, classifiers, emulators, gesture models, spectral indexes, experiments, settings,
+// tables, pages, corpora, recordings. Throws DataError for anything else, and where it is not
+// sound.
 std::vector<Table> describe_path(const std::filesystem::path& path);
 
 }  // namespace mocaplm

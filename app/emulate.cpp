@@ -198,7 +198,7 @@ void add_emulate_fit(CLI::App& emulate) {
   fit->add_option("DATASET", command->dataset, "a dataset's folder")->required();
   fit->add_option("--where", command->where, "the class, label=value; several: all of them");
   fit->add_option("--split", command->split, "clips of this split")
-      ->check(CLI::IsMember({"train", "validation", "test", "all"}))
+      ->check(one_of({"train", "validation", "test", "all"}))
       ->capture_default_str();
   fit->add_option("--scheme", command->scheme,
                   "Representation/DimensionReduction/Model: SIEM, IS-TVF, S-TVF or M-TVF; "
@@ -238,7 +238,7 @@ void add_emulate_sample(CLI::App& emulate) {
       ->add_option("--timing", command->timing,
                    "clips: length and pace of one of the clips, by chance; mean: the mean length, "
                    "even")
-      ->check(CLI::IsMember({"clips", "mean"}))
+      ->check(one_of({"clips", "mean"}))
       ->capture_default_str();
   sample->add_option("--json", command->json, "also write the printed table as JSON");
   sample->callback([command] { run_sample(*command); });
@@ -246,9 +246,7 @@ void add_emulate_sample(CLI::App& emulate) {
 
 void add_emulate(CLI::App& app) {
   CLI::App* emulate = app.add_subcommand(
-      "emulate",
-      "a class of motions as a distribution of posture curves: fit it, sample it, "
-      "test it");
+      "emulate", "learn how the motions of a class vary; make and test new ones");
   emulate->require_subcommand(1);
   add_emulate_fit(*emulate);
   add_emulate_sample(*emulate);

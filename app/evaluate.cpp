@@ -102,13 +102,13 @@ void add_bits_options(CLI::App& app, EvaluateOptions& options) {
   app.add_option("--by", options.by,
                  "a table for each value of this label, with baselines of its own");
   app.add_option("--precision", options.precision, "type of LibTorch's matrix products")
-      ->check(CLI::IsMember({"auto", "bf16", "f32"}))
+      ->check(one_of({"auto", "bf16", "f32"}))
       ->capture_default_str();
   CLI::Option* engine =
       app.add_option("--engine", options.engine,
                      "precision of the engine that generates; without --forecast and --long: "
                      "score with it instead of LibTorch")
-          ->check(CLI::IsMember(precision_names()));
+          ->check(one_of(precision_names()));
   add_machine_options(app, options.device, options.threads);
   for (const char* torch : {"--precision", "--device"}) engine->excludes(app.get_option(torch));
 }
@@ -160,7 +160,7 @@ void add_generated_options(CLI::App& app, EvaluateCommand& command) {
 
 void add_evaluate(CLI::App& app) {
   CLI::App* evaluate = app.add_subcommand(
-      "evaluate", "bits per frame of a model beside simple baselines; forecasts; long dances");
+      "evaluate", "measure bits per frame beside baselines; forecasts; long dances");
   auto command = std::make_shared<EvaluateCommand>();
   command->app = evaluate;
   EvaluateOptions& options = command->bits;
@@ -172,7 +172,7 @@ void add_evaluate(CLI::App& app) {
                    "dataset folder; baselines are fitted on its training split")
       ->required();
   evaluate->add_option("--split", options.split, "clips to look at")
-      ->check(CLI::IsMember({"train", "validation", "test"}))
+      ->check(one_of({"train", "validation", "test"}))
       ->capture_default_str();
   evaluate->add_option("--where", options.where, "only clips with label=value (repeatable)");
   evaluate->add_flag("--conditions,!--no-conditions", options.conditions,

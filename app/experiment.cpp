@@ -28,7 +28,7 @@ void run(const ExperimentCommand& command) {
 
 void add_experiment(CLI::App& app) {
   CLI::App* experiment = app.add_subcommand(
-      "experiment", "train and test the rows of a table, see configs/thesis; goes on if cut off");
+      "experiment", "train and test the rows of a table; goes on where it was cut off");
   auto command = std::make_shared<ExperimentCommand>();
   ExperimentOptions& options = command->options;
   experiment
@@ -40,7 +40,7 @@ void add_experiment(CLI::App& app) {
                          "dataset folder of the rows that are pre-trained on another one");
   experiment->add_option("--out", options.out, "folder of the runs and of table.json")->required();
   experiment->add_option("--split", options.split, "clips to test on")
-      ->check(CLI::IsMember({"validation", "test"}))
+      ->check(one_of({"validation", "test"}))
       ->capture_default_str();
   experiment
       ->add_option("--minutes", command->minutes,

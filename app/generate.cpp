@@ -145,7 +145,7 @@ void add_generate(CLI::App& app) {
   generate
       ->add_option("--precision", command->precision,
                    "of the weights: f32, bf16 (half the memory), int8 (a quarter, fastest)")
-      ->check(CLI::IsMember(precision_names()))
+      ->check(one_of(precision_names()))
       ->capture_default_str();
   generate->add_option("--stream", command->stream,
                        "write each frame as a line of JSON as soon as it is there; - for the "

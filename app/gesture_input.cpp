@@ -45,7 +45,7 @@ void GestureInput::add_options(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--frame", frame,
                  "of clips: from the pelvis and the first frame's heading, or in the world")
-      ->check(CLI::IsMember({"body", "world"}))
+      ->check(one_of({"body", "world"}))
       ->capture_default_str();
   app.add_option("--where", where, "of a dataset: only clips with LABEL=VALUE, comma separated")
       ->delimiter(',');

@@ -209,13 +209,13 @@ void add_gesture_play(CLI::App& gesture) {
                    "at the end (equation 9): a number for each coordinate, or free")
       ->delimiter(',');
   play->add_option("--on", command->on, "where the movement with that velocity is looked for")
-      ->check(CLI::IsMember({"hyperplane", "closest", "free"}))
+      ->check(one_of({"hyperplane", "closest", "free"}))
       ->capture_default_str();
   number("--correct-at", command->correct_at, 0.999, "replans at this share of T (equation 10)");
   numbers("--state", command->state, "where the movement is then (default: as planned)");
   numbers("--target", command->target, "where it shall end then (default: as planned)");
   play->add_option("--correction", command->correction, "how it is replanned")
-      ->check(CLI::IsMember({"minimum", "smooth", "hyperplane"}))
+      ->check(one_of({"minimum", "smooth", "hyperplane"}))
       ->capture_default_str();
   play->add_option("--rate", command->rate, "samples a second")
       ->check(CLI::Range(1.0, 1e5))

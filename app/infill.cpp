@@ -115,7 +115,7 @@ void add_infill(CLI::App& app) {
   infill->add_option("--out", command->out, "writes OUT.npz, OUT.bvh and OUT.html")
       ->capture_default_str();
   infill->add_option("--precision", options.precision, "type of the matrix products")
-      ->check(CLI::IsMember({"auto", "bf16", "f32"}))
+      ->check(one_of({"auto", "bf16", "f32"}))
       ->capture_default_str();
   infill->add_option("--json", command->json, "also write the printed table as JSON");
   add_machine_options(*infill, options.device, options.threads);

@@ -30,12 +30,9 @@ struct InfoCommand {
 }  // namespace
 
 void add_info(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("info", "say what a motion file, dataset, tokenizer or model is");
+  CLI::App* command = app.add_subcommand("info", "say what a file or folder of this program is");
   const auto state = std::make_shared<InfoCommand>();
-  command
-      ->add_option("PATH", state->paths,
-                   "motion files, dataset folders, tokenizer.json files, model folders")
+  command->add_option("PATH", state->paths, "any file or folder that this program reads or writes")
       ->required();
   command->add_option("--json", state->json, "also write the tables to this file");
   command->callback([state] { state->run(); });

@@ -11,6 +11,17 @@
 
 namespace mocaplm {
 
+// One of some names; an error says which is the nearest.
+inline CLI::Validator one_of(const std::vector<std::string>& allowed) {
+  return CLI::Validator(
+      [allowed](std::string& given) {
+        for (const std::string& name : allowed)
+          if (name == given) return std::string();
+        return "\"" + given + "\" is not known" + known_names(given, allowed, "One of");
+      },
+      "{" + join(allowed, ",") + "}");
+}
+
 // n_layer -> --n-layer
 inline std::string option_flag(std::string key) {
   for (char& c : key)
@@ -34,12 +45,13 @@ class BindOptions {
         ->capture_default_str();
   }
   void boolean(const char* key, bool& value, const char* help) {
+    // A flag has no text of its own for its default.
     app_.add_flag(flag(key) + ",!" + "--no-" + flag(key).substr(2), value, help)
-        ->capture_default_str();
+        ->default_str(value ? "true" : "false");
   }
   void choice(const char* key, std::string& value, const std::vector<std::string>& allowed,
               const char* help) {
-    app_.add_option(flag(key), value, help)->check(CLI::IsMember(allowed))->capture_default_str();
+    app_.add_option(flag(key), value, help)->check(one_of(allowed))->capture_default_str();
   }
   void text(const char* key, std::string& value, const char* help) {
     app_.add_option(flag(key), value, help)->capture_default_str();

@@ -8,9 +8,12 @@
 #include <filesystem>
 #include <new>
 
+#include "app/guide.h"
 #include "app/options.h"
+#include "app/parse_failure.h"
+#include "app/torch_part.h"
+#include "app/version.h"
 #include "common/error.h"
-#include "common/text.h"
 
 namespace mocaplm {
 
@@ -26,25 +29,22 @@ int report(ExitCode code, const std::string& message) {
 }  // namespace
 
 void start_with_torch() {
-  // OpenMP's threads wait for work by spinning for milliseconds, which costs everything when
-  // another program has a core: let them spin for tens of microseconds. It is read when the other
-  // program loads.
-  if (std::getenv("OMP_WAIT_POLICY") == nullptr) ::setenv("GOMP_SPINCOUNT", "20000", 0);
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe");
-  const std::filesystem::path other = self.parent_path() / "mocaplm-torch";
+  prepare_for_torch();
+  const std::filesystem::path other = torch_part_path();
   ::execv(other.c_str(), g_argv);
-  throw Error(ExitCode::internal,
-              "cannot start " + other.string() + ", which should lie beside this program");
+  throw Error(ExitCode::internal, "cannot start " + other.string() +
+                                      ", the part with LibTorch, which should lie beside this "
+                                      "program; 'mocaplm doctor' says what to do");
 }
 
 void add_commands_with_torch(CLI::App& app) {
   const std::pair<const char*, const char*> commands[] = {
       {"train", "pre-train or fine-tune a model on a dataset"},
-      {"classify", "train and test a classifier beside LDA and the majority class"},
-      {"experiment", "train and test the rows of a table, see configs/thesis; goes on if cut off"},
+      {"classify", "train and test a classifier beside simple ones, or use a kept one"},
+      {"experiment", "train and test the rows of a table; goes on where it was cut off"},
       {"infill", "fill missing joints or frames of a clip with a masked model"},
       {"interpolate", "change a motion until its spectral features come near another's"},
-      {"demo", "the whole walk on procedural dances, in minutes"}};
+      {"demo", "do all of it on procedural dances, in minutes"}};
   for (const auto& [name, help] : commands) {
     CLI::App* command = app.add_subcommand(name, help);
     command->allow_extras();
@@ -66,36 +66,20 @@ bool is_out_of_memory(const std::string& message) {
 constexpr const char* kOutOfMemory =
     "out of memory: the input, model or batch is too large for this machine";
 
-// What to say when the first word names no command; "" when it does or is an option.
-std::string unknown_command(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return "";
-  const std::string given = argv[1];
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (command->get_name() == given) return "";
-    names.push_back(command->get_name());
-  }
-  return "there is no command \"" + given + "\"" + did_you_mean(given, names) +
-         " (commands: " + join(names, ", ") + ")";
-}
-
 }  // namespace
 
 int run(CLI::App& app, int argc, char** argv) {
   g_argv = argv;
   app.require_subcommand(1);
-  app.set_version_flag("--version", "mocaplm " MOCAPLM_VERSION);
+  app.set_version_flag("--version", version_text, "print version, LibTorch, instruction set");
+  group_commands(app);
   try {
     app.parse(argc, argv);
     return static_cast<int>(ExitCode::ok);
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    const std::string unknown = unknown_command(app, argc, argv);
-    if (!unknown.empty()) return report(ExitCode::usage, unknown);
-    std::fprintf(stderr, "mocaplm: %s\nTry 'mocaplm --help' or 'mocaplm COMMAND --help'.\n",
-                 error.what());
-    return static_cast<int>(ExitCode::usage);
+    return report(ExitCode::usage, parse_failure(app, argc, argv, error));
   } catch (const Error& error) {
     return report(error.code(), error.what());
   } catch (const std::filesystem::filesystem_error& error) {
@@ -110,7 +94,7 @@ int run(CLI::App& app, int argc, char** argv) {
 
 void add_machine_options(CLI::App& app, std::string& device, int& threads) {
   app.add_option("--device", device, "where to compute")
-      ->check(CLI::IsMember({"cpu", "cuda", "auto"}))
+      ->check(one_of({"cpu", "cuda", "auto"}))
       ->capture_default_str();
   app.add_option("--threads", threads, "threads, 0 for all cores")
       ->check(CLI::Range(0, 1024))

@@ -1,10 +1,15 @@
-# cmake --install: the program, its settings files and documents, and a package with which another C++ program links
+# cmake --install: the program, manual page, completions, settings files and documents, and a package with which another C++ program links
 # the directories that read, write and generate motion without LibTorch:
 #   find_package(mocaplm REQUIRED)
 #   target_link_libraries(mine PRIVATE mocaplm::generate)
 include(CMakePackageConfigHelpers)
 
 install(TARGETS mocaplm mocaplm-torch RUNTIME COMPONENT program)
+set(made ${CMAKE_BINARY_DIR}/app)
+install(FILES ${made}/mocaplm.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+install(FILES ${made}/mocaplm.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME mocaplm
+        COMPONENT program)
+install(FILES ${made}/_mocaplm DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT program)
 install(DIRECTORY configs DESTINATION ${CMAKE_INSTALL_DATADIR}/mocaplm COMPONENT program)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program FILES_MATCHING PATTERN "*.md")
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)

@@ -123,7 +123,8 @@ std::string JsonObject::choice(const std::string& key, const std::vector<std::st
   const std::string value = text(key);
   for (const std::string& one : allowed)
     if (one == value) return value;
-  fail(key, "expected one of " + join(allowed, ", ") + ", found \"" + value + "\"");
+  fail(key, "expected one of " + join(allowed, ", ") + ", found \"" + value + "\"" +
+                did_you_mean(value, allowed));
 }
 
 std::vector<std::string> JsonObject::texts(const std::string& key) {

@@ -1,5 +1,6 @@
 #include "common/progress.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,12 +11,28 @@
 
 namespace mocaplm {
 
+namespace {
+
+bool moves_in_a_line() {
+  const char* kind = std::getenv("TERM");
+  return ::isatty(STDERR_FILENO) != 0 && (kind == nullptr || std::string(kind) != "dumb");
+}
+
+// What fits the terminal: a line that wraps could not be taken back.
+std::string fitted(const std::string& text) {
+  winsize size{};
+  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col < 2) return text;
+  return text.substr(0, size.ws_col - 1u);
+}
+
+}  // namespace
+
 Progress::Progress(std::string what, std::size_t total, std::string unit, double plain_seconds)
     : what_(std::move(what)),
       unit_(std::move(unit)),
       total_(total),
       plain_seconds_(plain_seconds),
-      terminal_(::isatty(STDERR_FILENO) != 0),
+      terminal_(moves_in_a_line()),
       start_(std::chrono::steady_clock::now()) {}
 
 Progress::~Progress() {
@@ -32,12 +49,12 @@ double Progress::seconds_left(double rate) const {
     return share_ > first_share_ && share_ < 1
                ? (elapsed() - first_share_at_) * (1 - share_) / (share_ - first_share_)
                : -1;
-  return total_ > done_ && done_ > 0 ? static_cast<double>(total_ - done_) / rate : -1;
+  return total_ > done_ && done_ > before_ ? static_cast<double>(total_ - done_) / rate : -1;
 }
 
 std::string Progress::line(const std::string& note) const {
   const double seconds = std::max(elapsed(), 1e-9);
-  const double rate = static_cast<double>(done_) / seconds;
+  const double rate = static_cast<double>(done_ - std::min(before_, done_)) / seconds;
   std::string text = what_ + " ";
   const bool counted = total_ > 0 && share_ < 0;
   if (terminal_ && (counted || share_ >= 0)) {
@@ -61,7 +78,8 @@ std::string Progress::line(const std::string& note) const {
 void Progress::show(const std::string& text, bool final) {
   shown_ = true;
   if (terminal_)
-    std::fprintf(stderr, "\r\033[K%s%s", text.c_str(), final ? "\n" : "");
+    std::fprintf(stderr, "\r\033[K%s%s", final ? text.c_str() : fitted(text).c_str(),
+                 final ? "\n" : "");
   else
     std::fprintf(stderr, "%s\n", text.c_str());
   std::fflush(stderr);

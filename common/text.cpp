@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/suggest.h"
+
 namespace mocaplm {
 
 std::string join(const std::vector<std::string>& parts, const std::string& between) {
@@ -56,44 +58,21 @@ std::string format_duration(double seconds) {
   return buffer;
 }
 
-namespace {
-
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row[b.size()];
-}
-
-}  // namespace
-
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
-  if (word.size() > 200) return "";
-  std::string best;
-  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
-  for (const std::string& candidate : candidates) {
-    if (candidate.size() > 200 || candidate == word) continue;
-    const std::size_t distance = edit_distance(lower(word), lower(candidate));
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = candidate;
-    }
-  }
-  return best.empty() ? "" : ", did you mean \"" + best + "\"?";
+  const std::string nearest = nearest_name(word, candidates);
+  return nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?";
 }
 
 std::string known_names(const std::string& word, const std::vector<std::string>& candidates,
                         const std::string& intro) {
+  constexpr std::size_t kMost = 40;
   const std::string near = did_you_mean(word, candidates);
-  return (near.empty() ? "." : near) + " " + intro + ": " + join(candidates, ", ");
+  std::vector<std::string> shown = candidates;
+  if (shown.size() > kMost) {
+    shown.resize(kMost);
+    shown.push_back("...");
+  }
+  return (near.empty() ? "." : near) + " " + intro + ": " + join(shown, ", ");
 }
 
 }  // namespace mocaplm

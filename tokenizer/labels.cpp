@@ -47,10 +47,6 @@ std::int32_t Tokenizer::label_id(const std::string& label, const std::string& va
     throw DataError(in_file("tokenizer"),
                     "knows no label \"" + label + "\"" +
                         (names.empty() ? ": it has none" : known_names(label, names)));
-  if (known.size() > 30) {
-    known.resize(30);
-    known.push_back("...");
-  }
   throw DataError(in_file("tokenizer"), "label \"" + label + "\" has no value \"" + value + "\"" +
                                             known_names(value, known));
 }

@@ -73,6 +73,7 @@ class Run {
     start_ = Clock::now();
     Progress bar(options_.from ? "fine-tune" : "train", static_cast<std::size_t>(config_.steps),
                  "steps", 30);
+    bar.start_from(static_cast<std::size_t>(done_.step));
     std::future<MicroBatches> next = ahead(done_.step);
     const std::int64_t first_step = done_.step;
     std::int64_t tokens = 0;

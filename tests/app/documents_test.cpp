@@ -60,13 +60,13 @@ std::vector<Mention> mentions() {
   return all;
 }
 
-// The commands as `mocaplm --help` lists them.
+// The commands as `mocaplm --help` lists them; above them stands the walk.
 std::set<std::string> commands() {
   static const std::regex line("\\n  ([a-z]+) +[a-z]");
-  std::string help = run_mocaplm("--help").text;
-  help.erase(0, help.find("Subcommands:"));
+  const std::string help = run_mocaplm("--help").text;
   std::set<std::string> names;
-  for (const std::smatch& match : matches(help, line)) names.insert(match.str(1));
+  for (const std::smatch& match : matches(help, line))
+    if (match.str(1) != "mocaplm") names.insert(match.str(1));
   return names;
 }
 

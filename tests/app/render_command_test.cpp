@@ -53,7 +53,7 @@ TEST_F(RenderCommand, RefusesWhatCannotBe) {
   refused(at("data/clips/b.npz") + small("x.png") + "--at 2", 2, "0.50 s");
   refused(at("none.npz") + small("x.png"), 3, "none.npz");
   const Ran ran = run_shell("PATH=/nowhere " MOCAPLM_BINARY_DIR "/mocaplm render " +
-                              at("data/clips/b.npz") + small("x.mp4"));
+                            at("data/clips/b.npz") + small("x.mp4"));
   EXPECT_EQ(ran.code, 2) << ran.text;
   EXPECT_TRUE(contains(ran.text, "apt-get install ffmpeg")) << ran.text;
   EXPECT_FALSE(std::filesystem::exists(at("x.png")));
