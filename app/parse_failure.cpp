@@ -25,13 +25,14 @@ void add_option_names(const CLI::App& app, std::vector<std::string>& names) {
 
 // The command that the words name so far, "mocaplm emulate", and its declaration.
 struct Named {
-  const CLI::App* app;
+  const CLI::App* app = nullptr;
   std::string words = "mocaplm";
   std::string unknown;  // the word in the place of a command that is none
 };
 
 Named named_command(const CLI::App& app, int argc, char** argv) {
-  Named named{&app};
+  Named named;
+  named.app = &app;
   for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
     if (command_names(*named.app).empty()) break;
     const CLI::App* next = find_command(*named.app, argv[i]);

@@ -1,5 +1,6 @@
 #include "motion/body_shape.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
