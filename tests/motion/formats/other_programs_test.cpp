@@ -28,7 +28,7 @@ Clip moving_clip() {
   return clip;
 }
 
-std::string quoted(const std::filesystem::path& path) {
+std::string shell_word(const std::filesystem::path& path) {
   return "'" + path.string() + "'";
 }
 
@@ -64,8 +64,8 @@ TEST_F(OtherPrograms, GltfValidatorHasNothingToSay) {
   )");
   for (const std::string& file :
        {write("moving.glb").string(), (scratch_ / "still.glb").string()}) {
-    const Ran ran =
-        run_shell(node + " " + quoted(script) + " " + quoted(validator) + " " + quoted(file));
+    const Ran ran = run_shell(node + " " + shell_word(script) + " " + shell_word(validator) + " " +
+                              shell_word(file));
     ASSERT_EQ(ran.code, 0) << ran.text;
     const Json report = Json::parse(ran.text);
     EXPECT_EQ(report["issues"]["messages"], Json::array()) << report.dump(2);
@@ -82,7 +82,7 @@ Json assimp_scene(const std::filesystem::path& file) {
   if (assimp.empty()) return nullptr;
   const std::string out = file.string() + ".json";
   const Ran ran =
-      run_shell(assimp + " export " + quoted(file) + " " + quoted(out) + " -fassjson");
+      run_shell(assimp + " export " + shell_word(file) + " " + shell_word(out) + " -fassjson");
   EXPECT_EQ(ran.code, 0) << ran.text;
   return load_json(out);
 }
@@ -187,7 +187,8 @@ file = numpy.load(sys.argv[1], allow_pickle=False)
 print(json.dumps({key: {"dtype": str(file[key].dtype), "shape": list(file[key].shape),
                         "values": file[key].tolist()} for key in file.files}))
 )");
-  const Ran ran = run_shell(python + " " + quoted(script) + " " + quoted(write("moving.npz")));
+  const Ran ran =
+      run_shell(python + " " + shell_word(script) + " " + shell_word(write("moving.npz")));
   ASSERT_EQ(ran.code, 0) << ran.text;
   const Json arrays = Json::parse(ran.text);
   const auto expect_array = [&](const char* key, const char* dtype, const Json& shape) {
