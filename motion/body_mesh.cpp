@@ -1,5 +1,7 @@
 #include "motion/body_mesh.h"
 
+#include <Eigen/Geometry>
+
 #include "motion/body_shape.h"
 #include "motion/skeleton.h"
 
