@@ -42,8 +42,8 @@ Reference read_reference(const LongOptions& options, const Dataset& dataset,
   parallel_for(entries.size(), options.threads, [&](std::size_t i) {
     const Clip clip = tokenizer.at_rate(load_clip(dataset, entries[i]));
     const Clip told = tokenizer.decode(tokenizer.encode(clip).ids, clip.name, clip.trans.row(0));
-    data[i] = measure(clip, tokenizer, floor_height(clip));
-    tokenized[i] = measure(told, tokenizer, floor_height(told));
+    data[i] = measure(clip, tokenizer, toe_level(clip));
+    tokenized[i] = measure(told, tokenizer, toe_level(told));
     reference.clips[i] = clip;
   });
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -60,7 +60,7 @@ struct Dances {
 };
 
 void keep(const Clip& dance, const Tokenizer& tokenizer, Dances& dances) {
-  const double floor = floor_height(dance);
+  const double floor = toe_level(dance);
   dances.each.push_back(measure(dance, tokenizer, floor));
   dances.all.add(dances.each.back());
   for (int part = 0; part < kParts; ++part) {

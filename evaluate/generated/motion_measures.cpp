@@ -81,7 +81,7 @@ void MotionMeasures::add(const MotionMeasures& other) {
   highest = std::max(highest, other.highest);
 }
 
-double floor_height(const Clip& clip) {
+double toe_level(const Clip& clip) {
   std::vector<double> lower;
   for (const JointPositions& p : all_positions(clip))
     lower.push_back(std::min(p(kToes[0], 1), p(kToes[1], 1)));

@@ -45,9 +45,9 @@ struct MotionMeasures {
 // et al., "Guided motion diffusion for controllable human motion synthesis", ICCV 2023).
 constexpr double kContactHeight = 0.05, kSkating = 0.5;
 
-// Where the floor lies: the median over the frames of the lower toe. Recordings that were made for
-// another body float over or sink into the ground by centimetres, each by its own.
-double floor_height(const Clip& clip);
+// The floor as the toes have it: the median over the frames of the lower one. Recordings that were
+// made for another body float over or sink into the ground by centimetres, each by its own.
+double toe_level(const Clip& clip);
 
 // `joints` are those whose speed and roughness count.
 MotionMeasures measure_motion(const Clip& clip, const std::vector<int>& joints, double floor);

@@ -53,7 +53,7 @@ TEST_F(LongDances, TellsTheDataTheDancesAndTheirSpread) {
   MotionMeasures data;
   for (const DatasetEntry& entry : dataset.split("test")) {
     const Clip clip = tokenizer.at_rate(load_clip(dataset, entry));
-    data.add(measure_motion(clip, tokenizer.joints(), floor_height(clip)));
+    data.add(measure_motion(clip, tokenizer.joints(), toe_level(clip)));
   }
   EXPECT_NEAR(rows(tables[0]).at("root: speed, m/s")[1].get<double>(), data.root_speed.value(),
               1e-9);

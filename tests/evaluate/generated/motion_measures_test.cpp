@@ -26,7 +26,7 @@ const std::vector<int> kHands = {22, 23};
 
 TEST(MotionMeasures, NothingMovesInAStandingBody) {
   const Clip clip = standing(50);
-  const MotionMeasures m = measure_motion(clip, kHands, floor_height(clip));
+  const MotionMeasures m = measure_motion(clip, kHands, toe_level(clip));
   for (const Average& none : {m.root_speed, m.root_2s, m.root_end, m.root_farthest, m.joint_speed,
                               m.acceleration, m.jerk, m.contact_speed, m.skating})
     EXPECT_NEAR(none.value(), 0, 1e-9);  // a third difference of rounding errors
@@ -43,7 +43,7 @@ TEST(MotionMeasures, ABodyThatSlides) {
     const double way = t <= 50 ? static_cast<double>(t) : 100.0 - static_cast<double>(t);
     clip.trans.row(t) = 0.05 * way * Eigen::RowVector3d(0.6, 0, 0.8);
   }
-  const MotionMeasures m = measure_motion(clip, kHands, floor_height(clip));
+  const MotionMeasures m = measure_motion(clip, kHands, toe_level(clip));
   EXPECT_NEAR(m.root_speed.value(), 1, 1e-9);
   EXPECT_NEAR(m.root_end.value(), 0, 1e-9);
   EXPECT_NEAR(m.root_farthest.value(), 2.5, 1e-9);
@@ -63,13 +63,13 @@ TEST(MotionMeasures, ABodyThatSlides) {
 
 TEST(MotionMeasures, FeetInTheAirDoNotSkate) {
   Clip clip = standing(40);
-  const double floor = floor_height(clip);
+  const double floor = toe_level(clip);
   for (Eigen::Index t = 0; t < 40; ++t) clip.trans.row(t) << 0.05 * static_cast<double>(t), 0.2, 0;
   const MotionMeasures m = measure_motion(clip, kHands, floor);
   EXPECT_EQ(m.contact.value(), 0);
   EXPECT_EQ(m.skating.value(), 0);
   EXPECT_TRUE(std::isnan(m.contact_speed.value()));
-  EXPECT_NEAR(floor_height(clip), floor + 0.2, 1e-12);
+  EXPECT_NEAR(toe_level(clip), floor + 0.2, 1e-12);
 }
 
 // A whole arm that turns at a constant rate: the hand is on a circle.
@@ -80,7 +80,7 @@ TEST(MotionMeasures, AHandOnACircle) {
     clip.poses(t, 3 * joint_index("left_shoulder") + 1) = rate * static_cast<double>(t) / fps;
   const Eigen::RowVector3d arm = rest_joints().row(22) - rest_joints().row(16);
   const double radius = std::hypot(arm.x(), arm.z());
-  const MotionMeasures m = measure_motion(clip, {22}, floor_height(clip));
+  const MotionMeasures m = measure_motion(clip, {22}, toe_level(clip));
   EXPECT_NEAR(m.joint_speed.value() / (radius * rate), 1, 1e-3);
   EXPECT_NEAR(m.acceleration.value() / (radius * rate * rate), 1, 1e-3);
   EXPECT_NEAR(m.jerk.value() / (radius * rate * rate * rate), 1, 1e-3);
