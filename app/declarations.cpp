@@ -35,18 +35,18 @@ std::string value_name(const std::string& type) {
 
 DeclaredOption declared(const CLI::Option& option, const std::string& group) {
   DeclaredOption d;
-  for (const std::string& name : option.get_lnames()) d.names.push_back("--" + name);
   for (const std::string& name : option.get_snames()) d.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) d.names.push_back("--" + name);
   if (d.names.empty()) d.place = option.get_name(true);
   const std::string type = option.get_type_name();
-  if (option.get_type_size() != 0) {
+  if (option.get_type_size() != 0 && option.get_expected_max() != 0) {  // no flag
     d.value = value_name(type);
     d.choices = choices_in(type);
     d.range = range_in(type);
   }
   d.initial = option.get_default_str();
   if (d.initial.size() > 1 && d.initial.front() == '[' && d.initial.back() == ']')
-    d.initial = d.initial.substr(1, d.initial.size() - 2);
+    d.initial = join(split(d.initial.substr(1, d.initial.size() - 2), ','), ", ");
   d.help = option.get_description();
   d.group = group;
   d.required = option.get_required();
@@ -57,7 +57,9 @@ DeclaredOption declared(const CLI::Option& option, const std::string& group) {
 void add_options(const CLI::App& app, const std::string& group,
                  std::vector<DeclaredOption>& options) {
   for (const CLI::Option* option : app.get_options())
-    if (!option->get_group().empty()) options.push_back(declared(*option, group));
+    // A group of options has a --help of its own, which is the command's.
+    if (!option->get_group().empty() && (group.empty() || option != app.get_help_ptr()))
+      options.push_back(declared(*option, group));
   for (const CLI::App* other : option_groups_of(app)) {
     const std::string about = other->get_description();
     add_options(*other, other->get_group() + (about.empty() ? "" : ", " + about), options);

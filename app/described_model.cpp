@@ -113,7 +113,8 @@ std::vector<Table> describe_run(const fs::path& folder) {
                     (number_of(train, "max_minutes") > 0
                          ? ", or " + format_number(number_of(train, "max_minutes")) + " minutes"
                          : "")});
-  add_log_rows(table, run_log(folder / "log.jsonl"));
+  const std::vector<Json> log = run_log(folder / "log.jsonl");
+  add_log_rows(table, log);
   table.row({"goes on with", saved ? "train --resume --out " + folder.string()
                                    : "nothing: no checkpoint was saved"});
   std::vector<Table> tables = {table};
@@ -122,6 +123,10 @@ std::vector<Table> describe_run(const fs::path& folder) {
       tables.push_back(describe_model(folder / model)[0]);
       break;
     }
+  if (tables.size() == 1 && !log.empty())
+    throw DataError(in_file(folder.string()),
+                    "is a training run of " + std::to_string(log.size()) +
+                        " validations, but its models (best, last) are gone");
   return tables;
 }
 

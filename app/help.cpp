@@ -30,6 +30,14 @@ std::string wrapped(const std::string& text, std::size_t column) {
   return out;
 }
 
+// A command after two spaces, broken where a shell goes on reading.
+std::string command_line(const std::string& command) {
+  constexpr std::size_t kMost = kWidth - 4;  // the spaces, and " \\" at the end
+  if (command.size() + 2 <= kWidth) return command;
+  const std::size_t space = command.rfind(' ', kMost);
+  return command.substr(0, space) + " \\\n      " + command.substr(space + 1);
+}
+
 // A name, and from `column` on what it is: on the next line where the name is longer.
 std::string entry(const std::string& name, const std::string& text, std::size_t column) {
   std::string line = "  " + name;
@@ -74,7 +82,8 @@ std::string command_page(const CLI::App& app, const std::string& full_name) {
   }
   if (!command.examples.empty()) page += "\nExamples\n";
   for (const Example& example : command.examples)
-    page += "  mocaplm " + example.words + "\n      " + wrapped(example.what, 6) + "\n";
+    page += "  " + command_line("mocaplm " + example.words) + "\n      " +
+            wrapped(example.what, 6) + "\n";
   return page;
 }
 

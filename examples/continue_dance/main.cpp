@@ -1,5 +1,6 @@
 // Continues a motion with a trained model, and says how far the dancer got:
 //   continue_dance MODEL CLIP SECONDS OUT.bvh
+// OUT holds CLIP and SECONDS more.
 #include <cstdio>
 #include <exception>
 #include <string>

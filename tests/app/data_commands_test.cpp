@@ -26,7 +26,7 @@ class DataCommands : public ::testing::Test {
 };
 
 TEST_F(DataCommands, UsageErrorsExitWithTwo) {
-  expect("", 2, "subcommand");
+  expect("", 2, "give a command");
   expect("dance", 2, "dance");
   expect("import", 2, "required");
   expect("import x", 2, "--out");

@@ -52,7 +52,7 @@ TEST_F(EmulateCommand, FitAndSample) {
 TEST_F(EmulateCommand, WhatCannotBeIsRefused) {
   synth();
   const std::string fit = "emulate fit " + at("s") + " --out " + at("m.json");
-  expect("emulate", 2, "subcommand");
+  expect("emulate", 2, "give a command");
   expect("emulate fit " + at("s"), 2, "--out");
   expect(fit + " --where genre=wack", 2, "did you mean \"waack\"");
   expect(fit + " --where genres=waack", 2, "no label \"genres\"");

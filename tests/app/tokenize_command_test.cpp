@@ -68,8 +68,8 @@ TEST_F(TokenizeCommand, ReportsATableJsonAndAPlot) {
 }
 
 TEST_F(TokenizeCommand, ShowsClipsBesideTheirTokens) {
-  for (const std::string words : {"--bins 90 --out " + at("bins.json"),
-                                  "--tiles 30 --pca 9 --root none --out " + at("tiles")}) {
+  for (const std::string& words : {"--bins 90 --out " + at("bins.json"),
+                                   "--tiles 30 --pca 9 --root none --out " + at("tiles")}) {
     const Ran ran = run(at("data") + " " + words + " --page " + at("page.html"));
     EXPECT_EQ(ran.code, 0) << ran.text;
     const std::string page = read_file(folder_ / "page.html");

@@ -14,7 +14,7 @@ TEST_F(TrainingFailures, UsageExitsWithTwo) {
             command == "train"      ? "--out"
             : command == "classify" ? "--model"
                                     : "--data");
-    refused(command + " --model m --data d --out o --nonsense", 2, "nonsense");
+    refused(command + " --data d --nonsense", 2, "nonsense");
   }
   refused("train --out " + at("new"), 2, "--data");
 }
