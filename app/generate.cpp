@@ -122,7 +122,7 @@ void add_generate(CLI::App& app) {
                          std::string("condition: ") + label);
   generate->add_option("--label", command->labels, "any other condition, name=value")
       ->delimiter(',');
-  generate->add_option("--seconds", command->request.seconds, "length")
+  generate->add_option("--seconds", command->request.seconds, "length of what is generated")
       ->check(CLI::Range(0.05, 3600.0))
       ->check(BindOptions::finite())
       ->capture_default_str();
@@ -148,7 +148,7 @@ void add_generate(CLI::App& app) {
       ->check(one_of(precision_names()))
       ->capture_default_str();
   generate->add_option("--stream", command->stream,
-                       "write each frame as a line of JSON as soon as it is there; - for the "
+                       "file for the frames, a line of JSON each as soon as it is there; - for the "
                        "terminal or a pipe");
   generate->add_option("--threads", command->threads, "threads, 0 for all cores")
       ->check(CLI::Range(0, 1024))

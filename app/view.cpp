@@ -41,6 +41,7 @@ void add_view(CLI::App& app) {
       ->required();
   view->add_option("--out", command->out, "the page, a .html file")->required();
   view->add_option("--clip", options.clips, "show these clips of the dataset folders")
+      ->type_name("NAME")
       ->delimiter(',');
   view->add_option("--title", options.title, "the page's title (default: the clips' names)");
   view->add_option("--note", options.note, "a few words beside the title");
@@ -57,7 +58,8 @@ void add_view(CLI::App& app) {
       ->transform(CLI::CheckedTransformer(std::map<std::string, UpAxis>{
           {"auto", UpAxis::automatic}, {"y", UpAxis::y}, {"z", UpAxis::z}}));
   view->add_option("--bvh-map", options.read.bvh_map,
-                   "JSON map for a BVH skeleton with unknown joint names");
+                   "JSON map for a BVH skeleton with unknown joint names")
+      ->type_name("FILE");
   view->callback([command] { run_view(*command); });
 }
 

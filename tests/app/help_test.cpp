@@ -88,11 +88,45 @@ TEST(Help, OfEveryCommandHasTwoExamples) {
 
 TEST(Help, TellsRangesDefaultsAndWhatIsRequired) {
   const std::string synth = run_mocaplm("synth --help").text;
-  EXPECT_TRUE(contains(synth, "Usage: mocaplm synth --out TEXT [OPTIONS]")) << synth;
+  EXPECT_TRUE(contains(synth, "Usage: mocaplm synth --out FOLDER [OPTIONS]")) << synth;
   EXPECT_TRUE(contains(synth, "(1 to 3; default 3)")) << synth;
   EXPECT_TRUE(contains(run_mocaplm("filter --help").text, "(low, band; default low)"));
   EXPECT_TRUE(contains(run_mocaplm("emulate --help").text, "\n  sample "));
   EXPECT_TRUE(contains(run_mocaplm("tokenize --help").text, "--lapped, --no-lapped"));
+}
+
+// What an option takes is called by what it is, so far as the option's help says it.
+TEST(Help, NamesWhatAnOptionTakes) {
+  const auto value = [](const std::string& command, const std::string& name) -> std::string {
+    for (const Json& one : declared())
+      if (one["command"] == command)
+        for (const Json& option : one["options"])
+          for (const Json& own : option["names"])
+            if (own == name) return option["value"];
+    return "none such";
+  };
+  EXPECT_EQ(value("synth", "--seed"), "N");
+  EXPECT_EQ(value("synth", "--seconds"), "X");
+  EXPECT_EQ(value("synth", "--overwrite"), "");
+  EXPECT_EQ(value("synth", "--out"), "FOLDER");
+  EXPECT_EQ(value("synth", "--json"), "FILE");
+  EXPECT_EQ(value("import", "--label-regex"), "REGEX");
+  EXPECT_EQ(value("import", "--map"), "FILE");
+  EXPECT_EQ(value("view", "--clip"), "NAME");
+  EXPECT_EQ(value("view", "--title"), "TEXT");
+  EXPECT_EQ(value("convert", "--to"), "NAME");
+  EXPECT_EQ(value("tokenize", "--out"), "PATH");
+  EXPECT_EQ(value("tokenize", "--report"), "SETTINGS");
+  EXPECT_EQ(value("generate", "--model"), "FOLDER");
+  EXPECT_EQ(value("generate", "--stream"), "FILE");
+  EXPECT_EQ(value("generate", "--out"), "OUT");
+  EXPECT_EQ(value("filter", "--out"), "OUT");
+  EXPECT_EQ(value("gesture play", "--model"), "FILE");
+  if (!has_torch()) GTEST_SKIP() << "mocaplm-torch is not built here";
+  EXPECT_EQ(value("train", "--from"), "FOLDER");
+  EXPECT_EQ(value("train", "--config"), "FILE");
+  EXPECT_EQ(value("train", "--balance"), "TEXT");
+  EXPECT_EQ(value("experiment", "--out"), "FOLDER");
 }
 
 // Only what the parser of a command says, for the examples have no files here.
@@ -193,7 +227,7 @@ TEST(ManPage, NamesEveryCommandAndIsSoundRoff) {
                              page + ".txt'");
   EXPECT_EQ(read.code, 0);
   EXPECT_EQ(read.text, "");
-  EXPECT_TRUE(contains(read_file(page + ".txt"), "mocaplm generate --model TEXT [OPTIONS]"));
+  EXPECT_TRUE(contains(read_file(page + ".txt"), "mocaplm generate --model FOLDER [OPTIONS]"));
 }
 
 }  // namespace
