@@ -73,6 +73,10 @@ int run(CLI::App& app, int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text, "print version, LibTorch, instruction set");
   group_commands(app);
+  if (argc < 2) {
+    std::fputs(app.help().c_str(), stderr);
+    return static_cast<int>(ExitCode::usage);
+  }
   try {
     app.parse(argc, argv);
     return static_cast<int>(ExitCode::ok);

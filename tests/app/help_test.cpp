@@ -191,9 +191,28 @@ TEST(Slips, NearestCommandOptionAndValueAreNamed) {
   says("filter x.npz --keep other", "One of: low, band");
   says("generate --model x --precision bf61", "did you mean \"bf16\"?");
   says("--hepl", "did you mean \"--help\"?");
+  says("query --index x -fps 30", "has no option \"-fps\", did you mean \"--fps\"?");
+  says("", "mocaplm import mocap/ --out data");  // the whole help
   if (!has_torch()) GTEST_SKIP() << "mocaplm-torch is not built here";
   says("train --out x --n-layers 2", "did you mean \"--n-layer\"?");
   says("train --out x --position custm", "did you mean \"custom\"?");
+}
+
+TEST(Slips, ValuesAreAskedForInWords) {
+  const auto says = [](const std::string& words, const std::string& part) {
+    const Ran ran = run_mocaplm(words);
+    EXPECT_EQ(ran.code, 2) << words << "\n" << ran.text;
+    EXPECT_TRUE(contains(ran.text, "mocaplm: " + part + "\n")) << words << "\n" << ran.text;
+  };
+  says("synth --out", "--out needs a value: FOLDER");
+  says("filter x.npz --keep=", "--keep needs a value: one of low, band");
+  says("filter x.npz --to-hz", "--to-hz needs a value: a number from 0 to 5000");
+  says("synth --out x --dancers 9", "--dancers: \"9\" is not a whole number from 1 to 3");
+  says("generate --model x --seconds -4", "--seconds: \"-4\" is not a number from 0.05 to 3600");
+  says("evaluate --data x --horizons a", "--horizons: \"a\" is not a list of numbers");
+  says("view x --out y.html --up w", "--up: \"w\" is not one of auto, y, z");
+  says("synth --out x --out y", "--out can be given only once");
+  says("synth --out x extra", "mocaplm synth has no use for \"extra\"");
 }
 
 TEST(Slips, KeysAndValuesOfSettingsFilesAreNamed) {
