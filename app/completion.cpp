@@ -142,7 +142,8 @@ std::string bash_completion(const std::vector<DeclaredCommand>& commands) {
 }
 
 void add_completion(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("completion", "print a script that completes in a shell");
+  CLI::App* command =
+      app.add_subcommand("completion", "print a script that completes commands in bash or zsh");
   const auto shell = std::make_shared<std::string>();
   command->add_option("SHELL", *shell, "the shell")->required()->check(one_of({"bash", "zsh"}));
   command->callback([&app, shell] {

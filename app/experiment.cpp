@@ -28,7 +28,7 @@ void run(const ExperimentCommand& command) {
 
 void add_experiment(CLI::App& app) {
   CLI::App* experiment = app.add_subcommand(
-      "experiment", "train and test the rows of a table; goes on where it was cut off");
+      "experiment", "train and test the rows of a table; go on where it was cut off");
   auto command = std::make_shared<ExperimentCommand>();
   ExperimentOptions& options = command->options;
   experiment

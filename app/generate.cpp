@@ -106,8 +106,8 @@ void run_generate(GenerateCommand& command) {
 }  // namespace
 
 void add_generate(CLI::App& app) {
-  CLI::App* generate =
-      app.add_subcommand("generate", "generate a dance from a few joints and conditions");
+  CLI::App* generate = app.add_subcommand(
+      "generate", "continue a clip, fill in its open joints, or dance from nothing");
   auto command = std::make_shared<GenerateCommand>();
   generate->add_option("--model", command->model, "model or training run folder")->required();
   generate->add_option("--prompt", command->prompt,
