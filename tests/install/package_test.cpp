@@ -25,7 +25,8 @@ class Package : public TrainedRun {
 
 TEST_F(Package, HoldsTheProgramItsSettingsAndDocuments) {
   for (const char* file : {"bin/mocaplm", "bin/mocaplm-torch", "share/mocaplm/configs/small.json",
-                           "share/doc/mocaplm/README.md", "share/doc/mocaplm/tokenizers.md"})
+                           "share/doc/mocaplm/README.md", "share/doc/mocaplm/LICENSE",
+                           "share/doc/mocaplm/docs/tokenizers.md"})
     EXPECT_TRUE(fs::exists(path("prefix") / file)) << file;
   // The light program starts the other one beside it.
   const std::string program = at("prefix/bin/mocaplm");
