@@ -54,8 +54,8 @@ double seconds_of(const Json& gltf, const Json& animation) {
   return seconds;
 }
 
-void add_size(Table& table, const std::string& bytes) {
-  table.row({"size", format_fixed(static_cast<double>(bytes.size()) / 1e6, 2) + " MB"});
+void add_size(Table& table, const fs::path& file) {
+  table.row({"size", format_fixed(static_cast<double>(fs::file_size(file)) / 1e6, 2) + " MB"});
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ std::vector<Table> describe_glb(const fs::path& file) {
     for (const Json& animation : gltf.value("animations", Json::array()))
       table.row({"animation " + animation.value("name", "without a name"),
                  format_fixed(seconds_of(gltf, animation), 2) + " s"});
-    add_size(table, bytes);
+    add_size(table, file);
     table.note("For Blender and 3D viewers; mocaplm writes it and does not read it back.");
     return {table};
   } catch (const Json::exception& error) {
@@ -80,7 +80,7 @@ std::vector<Table> describe_glb(const fs::path& file) {
 }
 
 std::vector<Table> describe_film(const fs::path& file) {
-  const std::string bytes = read_file(file);
+  const std::string bytes = read_head(file, 64);  // a film may be larger than the memory
   const bool png = begins(bytes, "\x89PNG\r\n\x1a\n") && bytes.size() >= 24,
              gif = begins(bytes, "GIF8") && bytes.size() >= 10, mp4 = begins(bytes, "ftyp", 4);
   if (!png && !gif && !mp4)
@@ -92,7 +92,7 @@ std::vector<Table> describe_film(const fs::path& file) {
   if (gif)
     table.row({"pixels", std::to_string(little_endian(bytes, 6, 2)) + " x " +
                              std::to_string(little_endian(bytes, 8, 2))});
-  add_size(table, bytes);
+  add_size(table, file);
   return {table};
 }
 
