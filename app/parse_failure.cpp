@@ -1,6 +1,8 @@
 #include "app/parse_failure.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <vector>
 
 #include "app/between.h"
@@ -104,6 +106,10 @@ std::string parse_failure(const CLI::App& app, int argc, char** argv,
   const std::vector<std::string> commands = command_names(*named.app);
   if (!named.unknown.empty()) {
     const std::string near = did_you_mean(named.unknown, commands);
+    std::error_code error_code;
+    if (named.app == &app && near.empty() && std::filesystem::exists(named.unknown, error_code))
+      return "\"" + named.unknown +
+             "\" is no command but a file or folder; mocaplm info says which" + more;
     return "there is no command \"" + named.unknown + "\"" +
            (near.empty() ? "; commands: " + join(commands, ", ") : near) + more;
   }

@@ -181,6 +181,7 @@ TEST(Slips, NearestCommandOptionAndValueAreNamed) {
   says("genrate", "did you mean \"generate\"?");
   says("gen", "did you mean \"generate\"?");
   says("xyz", "Try 'mocaplm --help'");
+  says("/dev/null", "mocaplm info says which");
   says("emulate smaple", "did you mean \"sample\"?");
   says("emulate", "give a command: fit, sample, test");
   says("synth --out x --dancer 2", "did you mean \"--dancers\"?");
