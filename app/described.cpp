@@ -1,6 +1,7 @@
 #include "app/described.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "app/described_parts.h"
@@ -33,6 +34,7 @@ void add_floor_rows(Table& table, const Clip& clip) {
   double lowest = 1e9;
   for (Eigen::Index t = 0; t < clip.frames(); ++t) {
     const JointPositions joints = joint_positions(clip, t);
+    // Ankles and feet.
     lowest = std::min({lowest, joints(7, 1), joints(8, 1), joints(10, 1), joints(11, 1)});
   }
   double way = 0;
