@@ -47,6 +47,8 @@ TEST_F(Package, LetsAnotherProgramContinueADance) {
   EXPECT_EQ(dance.frames(), 80);
   EXPECT_NEAR(dance.fps, 20, 1e-4);
   EXPECT_EQ(run_shell(program + " " + at("nothing") + " x.npz 1 " + out).code, 3);
+  EXPECT_EQ(run_shell(program + " " + at("run") + " '" + a_dance().string() + "' soon " + out).code,
+            2);
 }
 
 }  // namespace
