@@ -74,8 +74,8 @@ int run(CLI::App& app, int argc, char** argv) {
   app.set_version_flag("--version", version_text, "print version, LibTorch, instruction set");
   group_commands(app);
   if (argc < 2) {
-    std::fputs(app.help().c_str(), stderr);
-    return static_cast<int>(ExitCode::usage);
+    std::fputs((app.help() + "\n").c_str(), stderr);
+    return report(ExitCode::usage, "give a command");
   }
   try {
     app.parse(argc, argv);
