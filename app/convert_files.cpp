@@ -16,12 +16,6 @@ namespace mocaplm {
 
 namespace {
 
-void refuse_own_source(const MotionInput& input, const fs::path& out) {
-  std::error_code missing;
-  if (fs::equivalent(input.file(), out, missing))
-    throw UsageError(out.string() + " is the motion to be converted: give another name");
-}
-
 // Where each motion goes.
 std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>& inputs) {
   if (job.config.to == "auto") {
@@ -29,7 +23,6 @@ std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>
       throw UsageError(job.out.string() + " is to be a folder: give --to " +
                        join(written_formats(), ", --to "));
     check_written_format(job.out);
-    refuse_own_source(inputs.front(), job.out);
     return {job.out};
   }
   if (fs::exists(job.out) && !fs::is_directory(job.out))
@@ -42,7 +35,6 @@ std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>
     if (!fresh)
       throw UsageError(first->second + " and " + input.text + " would both be written to " +
                        files.back().string() + ": convert them into two folders");
-    refuse_own_source(input, files.back());
   }
   return files;
 }
@@ -62,6 +54,9 @@ Table convert_files(const ConvertJob& job) {
   const std::vector<MotionInput> inputs = find_motions(job.inputs, job.clips);
   if (inputs.empty()) throw UsageError("there is nothing to convert");
   const std::vector<fs::path> files = plan(job, inputs);
+  std::vector<fs::path> written = files;
+  written.push_back(job.table);
+  check_outputs(written, inputs);
   check_writable(files.front());
   WriteOptions options;
   options.bvh_unit = job.config.unit == "m" ? BvhUnit::metres : BvhUnit::centimetres;

@@ -17,12 +17,13 @@ struct ConvertJob {
   std::filesystem::path out;        // one file, by its ending, or with config.to a folder
   ReadOptions read;
   ConvertConfig config;
-  std::int64_t threads = 0;  // 0: all cores
+  std::int64_t threads = 0;     // 0: all cores
+  std::filesystem::path table;  // which the caller writes, or empty: no motion may be there
 };
 
 // Writes them and says what was written. Throws UsageError before any work when the files cannot
-// all be written as asked (an unknown ending, several into one, one over its own source), and as
-// reading and writing do; then the files before the broken one are there.
+// all be written as asked (an unknown ending, several into one, one over a motion that is read),
+// and as reading and writing do; then the files before the broken one are there.
 Table convert_files(const ConvertJob& job);
 
 }  // namespace mocaplm

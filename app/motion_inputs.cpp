@@ -4,6 +4,7 @@
 #include <set>
 
 #include "common/error.h"
+#include "common/files.h"
 #include "common/text.h"
 #include "spectral/clip_range.h"
 
@@ -60,6 +61,19 @@ std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
           "no clip is named \"" + clip + "\"" + did_you_mean(clip, known) +
           (known.empty() ? ": --clip chooses from dataset folders, none was given" : ""));
   return found;
+}
+
+void check_outputs(const std::vector<fs::path>& files, const std::vector<MotionInput>& inputs) {
+  std::set<fs::path> sources, written;
+  for (const MotionInput& input : inputs) sources.insert(real_path(input.file()));
+  for (const fs::path& file : files) {
+    if (file.empty()) continue;
+    const fs::path real = real_path(file);
+    if (sources.count(real) > 0)
+      throw UsageError(file.string() + " is one of the motions that are read: give another name");
+    if (!written.insert(real).second)
+      throw UsageError(file.string() + " would be written twice: give another name");
+  }
 }
 
 Clip read_motion(const MotionInput& input, const ReadOptions& options) {

@@ -1,6 +1,7 @@
 // What `convert` and `render` are given: motion files, parts of them, clips of dataset folders.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,6 +25,11 @@ struct MotionInput {
 // for folders that are no dataset.
 std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
                                       const std::vector<std::string>& clips);
+
+// Throws UsageError when one of the files that are to be written would replace one of the motions,
+// or another one of them. Empty names are passed over.
+void check_outputs(const std::vector<std::filesystem::path>& files,
+                   const std::vector<MotionInput>& inputs);
 
 // Throws as read_clip_range does.
 Clip read_motion(const MotionInput& input, const ReadOptions& options);

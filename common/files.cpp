@@ -143,6 +143,12 @@ void check_writable(const fs::path& path) {
   ::unlink(probe.c_str());
 }
 
+fs::path real_path(const fs::path& path) {
+  std::error_code error;
+  const fs::path found = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? path : found;
+}
+
 void write_directory_with(const fs::path& path,
                           const std::function<bool(const fs::path&)>& may_replace,
                           const std::function<void(const fs::path&)>& fill) {

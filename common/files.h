@@ -41,6 +41,10 @@ void flush_files_under(const std::filesystem::path& folder);
 // work. Creates the parent directory; an empty path means no file and passes.
 void check_writable(const std::filesystem::path& path);
 
+// The one name of a file, from the root and with links followed, whether it exists or not: equal
+// for two ways to write the same place.
+std::filesystem::path real_path(const std::filesystem::path& path);
+
 // Fills `temporary` (a fresh directory beside `path`), then swaps it in for `path`. An old
 // directory is replaced only when `may_replace(path)` is true or it is empty; otherwise DataError,
 // nothing touched.

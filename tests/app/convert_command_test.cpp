@@ -137,5 +137,24 @@ TEST_F(Convert, RefusesWhatCannotBe) {
   EXPECT_FALSE(fs::exists(at("twice")));
 }
 
+// Not only its own source: one file's result could take the place of another one that is still to
+// be read, and the table that of a motion.
+TEST_F(Convert, NeverWritesOverAMotionThatIsRead) {
+  const std::string folder = at("safe"), walk = folder + "/walk.npz", other = folder + "/walk.bvh";
+  fs::create_directories(folder);
+  fs::copy_file(at("walk.npz"), walk);
+  converts(walk + " " + other);
+  const std::string before = read_file(walk), text = read_file(other);
+  refused(other + " " + walk + ":0-1 " + folder + " --to npz", 2, "are read");
+  fs::create_symlink(walk, folder + "/link.npz");
+  refused(other + " " + walk + ":0-1 " + folder + "/../safe --to npz", 2, "are read");
+  refused(folder + "/link.npz " + folder + "/./walk.npz", 2, "are read");
+  refused(walk + " " + at("x.glb") + " --json " + walk, 2, "are read");
+  refused(walk + " " + at("x.glb") + " --json " + folder + "/../x.glb", 2, "twice");
+  EXPECT_EQ(read_file(walk), before);
+  EXPECT_EQ(read_file(other), text);
+  EXPECT_FALSE(fs::exists(at("x.glb")));
+}
+
 }  // namespace
 }  // namespace mocaplm
