@@ -8,7 +8,9 @@
 #include "motion/edit.h"
 #include "motion/floor.h"
 #include "motion/formats/formats.h"
+#include "motion/formats/npy.h"
 #include "motion/formats/npz.h"
+#include "motion/formats/zip_file.h"
 #include "motion/mirror.h"
 #include "motion/skeleton.h"
 #include "support/glb_file.h"
@@ -99,6 +101,17 @@ TEST_F(Convert, EditsOnTheWay) {
 
   converts(at("walk.npz") + " --mirror " + at("mirrored.npz"));
   EXPECT_EQ(read_npz(at("mirrored.npz")).poses, mirror(walk()).poses);
+}
+
+TEST_F(Convert, TakesTheRateThatAFileLacks) {
+  const Clip clip = walk();
+  const auto frames = static_cast<std::size_t>(clip.frames());
+  write_zip(at("rateless.npz"), {{"poses.npy", npy_bytes(clip.poses.data(), {frames, 72})},
+                                 {"trans.npy", npy_bytes(clip.trans.data(), {frames, 3})}});
+  refused(at("rateless.npz") + " " + at("x.bvh"), 3, "--source-fps");
+  converts(at("rateless.npz") + " " + at("rated.npz") + " --source-fps 40 --fps 20");
+  EXPECT_EQ(read_npz(at("rated.npz")).fps, 20);
+  EXPECT_EQ(read_npz(at("rated.npz")).frames(), 30);
 }
 
 TEST_F(Convert, FillsAFolder) {
