@@ -21,7 +21,7 @@ struct RenderCommand {
   std::int64_t threads = 0;
 
   void run() const {
-    check_render_path(out);
+    check_render(out, config);
     check_writable(out);
     check_writable(json);
     const std::vector<std::string> chosen =
