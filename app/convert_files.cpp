@@ -3,12 +3,12 @@
 #include <map>
 #include <mutex>
 
-#include "app/motion_inputs.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/parallel.h"
 #include "common/progress.h"
 #include "common/text.h"
+#include "motion/inputs.h"
 
 namespace fs = std::filesystem;
 
@@ -65,7 +65,7 @@ Table convert_files(const ConvertJob& job) {
   std::mutex mutex;
   Progress progress("converting", inputs.size(), "clips");
   parallel_for(inputs.size(), job.threads, [&](std::size_t i) {
-    const Clip clip = edited(read_motion(inputs[i], job.read), job.config.edit);
+    const Clip clip = edited(read_motion(inputs[i], job.read).clip, job.config.edit);
     write_clip(files[i], clip, options);
     rows[i] = {files[i].string(), inputs[i].text, clip.frames(), clip.fps, clip.seconds()};
     const std::lock_guard<std::mutex> lock(mutex);

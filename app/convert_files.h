@@ -12,7 +12,7 @@
 namespace mocaplm {
 
 struct ConvertJob {
-  std::vector<std::string> inputs;  // files, parts of them, dataset folders (app/motion_inputs.h)
+  std::vector<std::string> inputs;  // files, parts of them, dataset folders (motion/inputs.h)
   std::vector<std::string> clips;   // of the dataset folders; none: all
   std::filesystem::path out;        // one file, by its ending, or with config.to a folder
   ReadOptions read;

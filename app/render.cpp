@@ -4,11 +4,11 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/motion_inputs.h"
 #include "app/options.h"
 #include "app/read_options.h"
 #include "common/error.h"
 #include "common/files.h"
+#include "motion/inputs.h"
 
 namespace mocaplm {
 
@@ -31,7 +31,7 @@ struct RenderCommand {
       throw UsageError(clip + " holds " + std::to_string(found.size()) +
                        " clips: choose one with --clip");
     check_outputs({out, json}, found);
-    const Clip motion = read_motion(found[0], read);
+    const Clip motion = read_motion(found[0], read).clip;
     const std::int64_t pictures = render_clip(motion, out, config, threads);
     Table table("", {"rendered", "value"});
     table.row({"file", out});

@@ -1,4 +1,4 @@
-#include "app/motion_inputs.h"
+#include "motion/inputs.h"
 
 #include <algorithm>
 #include <set>
@@ -6,7 +6,6 @@
 #include "common/error.h"
 #include "common/files.h"
 #include "common/text.h"
-#include "spectral/clip_range.h"
 
 namespace fs = std::filesystem;
 
@@ -76,8 +75,8 @@ void check_outputs(const std::vector<fs::path>& files, const std::vector<MotionI
   }
 }
 
-Clip read_motion(const MotionInput& input, const ReadOptions& options) {
-  return read_clip_range(input.text, input.dataset.get(), options).clip;
+RangedClip read_motion(const MotionInput& input, const ReadOptions& options) {
+  return read_clip_range(input.text, input.dataset.get(), options);
 }
 
 }  // namespace mocaplm

@@ -1,4 +1,4 @@
-// What `convert` and `render` are given: motion files, parts of them, clips of dataset folders.
+// What commands are given to read: motion files, parts of them, clips of dataset folders.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/dataset.h"
-#include "motion/formats/formats.h"
+#include "motion/clip_range.h"
 
 namespace mocaplm {
 
@@ -31,7 +30,7 @@ std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
 void check_outputs(const std::vector<std::filesystem::path>& files,
                    const std::vector<MotionInput>& inputs);
 
-// Throws as read_clip_range does.
-Clip read_motion(const MotionInput& input, const ReadOptions& options);
+// Throws as read_clip_range does. The entry lives as long as the input's dataset.
+RangedClip read_motion(const MotionInput& input, const ReadOptions& options);
 
 }  // namespace mocaplm

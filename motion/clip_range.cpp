@@ -1,4 +1,4 @@
-#include "spectral/clip_range.h"
+#include "motion/clip_range.h"
 
 #include <algorithm>
 #include <cmath>
