@@ -147,7 +147,7 @@ std::int64_t render_clip(const Clip& clip, const fs::path& path, const RenderCon
                          std::int64_t threads) {
   check_render(path, config);
   Clip standing = clip;
-  align_floor(standing, kSoleBelowFoot);
+  stand_on_ground(standing);
   if (ending(path) == ".png") {
     write_file(path, png_bytes(still(standing, config)));
     return 1;

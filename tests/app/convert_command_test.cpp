@@ -93,7 +93,7 @@ TEST_F(Convert, EditsOnTheWay) {
   EXPECT_EQ(part.frames(), 15);
   EXPECT_EQ(part.fps, 15);
   EXPECT_NEAR(facing(part, 0), 0, 1e-9);
-  EXPECT_NEAR(floor_height(part), kSoleBelowFoot, 1e-9);
+  EXPECT_NEAR(ground_height(part), 0, 1e-9);
   EditConfig edits;
   edits.fps = 15;
   edits.face = edits.floor = true;

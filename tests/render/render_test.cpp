@@ -25,7 +25,7 @@ namespace {
 Clip dance(Eigen::Index frames = 20, double fps = 20) {
   Clip clip = random_clip(3, frames, fps, "dance");
   clip.poses.leftCols<3>() *= 0.2;  // upright
-  align_floor(clip, kSoleBelowFoot);
+  stand_on_ground(clip);
   return clip;
 }
 
@@ -193,7 +193,7 @@ TEST(Ground, ShadowLiesUnderTheFigure) {
   Clip clip = dance(1);
   clip.poses.setZero();
   clip.trans.setZero();
-  align_floor(clip, kSoleBelowFoot);
+  stand_on_ground(clip);
   MeshPoints positions, normals;
   pose_body(clip, 0, positions, normals);
   const Shadow shadow(positions, body_mesh().triangles);
