@@ -21,7 +21,7 @@ struct MotionInput {
 
 // One for each file, and for each clip of a dataset folder, or for those of `clips` (names, with
 // :from-to for a part) that are in it. Throws UsageError for names that no folder has, DataError
-// for folders that are no dataset.
+// for files that are not there and for folders that are no dataset.
 std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
                                       const std::vector<std::string>& clips);
 

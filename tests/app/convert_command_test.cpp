@@ -145,6 +145,7 @@ TEST_F(Convert, RefusesWhatCannotBe) {
   refused(at("data") + " --clip c " + at("x.bvh"), 2, "no clip is named");
   refused(walk + " --clip a " + at("x.bvh"), 2, "none was given");
   refused(at("none.npz") + " " + at("x.bvh"), 3, "none.npz");
+  refused(walk + " " + at("none.npz") + " " + at("twice") + " --to bvh", 3, "no such file");
   refused(folder_->path().string() + " " + at("x") + " --to npz", 3, "dataset.json");
   EXPECT_FALSE(fs::exists(at("x.bvh")));
   EXPECT_FALSE(fs::exists(at("twice")));
