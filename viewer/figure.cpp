@@ -16,7 +16,7 @@ struct SurfacePoint {
   Eigen::RowVector3d offset;
 };
 
-SurfacePoint surface(std::size_t sole) {
+SurfacePoint at_sole(std::size_t sole) {
   return {figure_soles()[sole].joint, figure_soles()[sole].middle};
 }
 
@@ -24,10 +24,10 @@ const std::array<SurfacePoint, kFigurePoints - kJoints>& surface_points() {
   static const std::array<SurfacePoint, kFigurePoints - kJoints> points = {{
       {15, {0, 0.20, 0}},     // crown
       {15, {0, 0.08, 0.12}},  // face
-      surface(0),             // left heel
-      surface(1),             // right heel
-      surface(4),             // left toe tip
-      surface(5),             // right toe tip
+      at_sole(0),             // left heel
+      at_sole(1),             // right heel
+      at_sole(4),             // left toe tip
+      at_sole(5),             // right toe tip
   }};
   return points;
 }
