@@ -56,7 +56,7 @@ Table convert_files(const ConvertJob& job) {
   const std::vector<fs::path> files = plan(job, inputs);
   std::vector<fs::path> written = files;
   written.push_back(job.table);
-  check_outputs(written, inputs);
+  check_outputs(written, files_of(inputs));
   check_writable(files.front());
   WriteOptions options;
   options.bvh_unit = job.config.unit == "m" ? BvhUnit::metres : BvhUnit::centimetres;

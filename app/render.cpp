@@ -30,7 +30,7 @@ struct RenderCommand {
     if (found.size() != 1)
       throw UsageError(clip + " holds " + std::to_string(found.size()) +
                        " clips: choose one with --clip");
-    check_outputs({out, json}, found);
+    check_outputs({out, json}, files_of(found));
     const Clip motion = read_motion(found[0], read).clip;
     const std::int64_t pictures = render_clip(motion, out, config, threads);
     Table table("", {"rendered", "value"});

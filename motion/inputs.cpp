@@ -3,7 +3,6 @@
 #include <set>
 
 #include "common/error.h"
-#include "common/files.h"
 #include "common/text.h"
 
 namespace fs = std::filesystem;
@@ -62,17 +61,10 @@ std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
   return found;
 }
 
-void check_outputs(const std::vector<fs::path>& files, const std::vector<MotionInput>& inputs) {
-  std::set<fs::path> sources, written;
-  for (const MotionInput& input : inputs) sources.insert(real_path(input.file()));
-  for (const fs::path& file : files) {
-    if (file.empty()) continue;
-    const fs::path real = real_path(file);
-    if (sources.count(real) > 0)
-      throw UsageError(file.string() + " is one of the motions that are read: give another name");
-    if (!written.insert(real).second)
-      throw UsageError(file.string() + " would be written twice: give another name");
-  }
+std::vector<fs::path> files_of(const std::vector<MotionInput>& inputs) {
+  std::vector<fs::path> files;
+  for (const MotionInput& input : inputs) files.push_back(input.file());
+  return files;
 }
 
 RangedClip read_motion(const MotionInput& input, const ReadOptions& options) {

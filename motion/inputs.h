@@ -25,10 +25,8 @@ struct MotionInput {
 std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
                                       const std::vector<std::string>& clips);
 
-// Throws UsageError when one of the files that are to be written would replace one of the motions,
-// or another one of them. Empty names are passed over.
-void check_outputs(const std::vector<std::filesystem::path>& files,
-                   const std::vector<MotionInput>& inputs);
+// All their files.
+std::vector<std::filesystem::path> files_of(const std::vector<MotionInput>& inputs);
 
 // Throws as read_clip_range does. The entry lives as long as the input's dataset.
 RangedClip read_motion(const MotionInput& input, const ReadOptions& options);

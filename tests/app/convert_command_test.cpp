@@ -159,11 +159,11 @@ TEST_F(Convert, NeverWritesOverAMotionThatIsRead) {
   fs::copy_file(at("walk.npz"), walk);
   converts(walk + " " + other);
   const std::string before = read_file(walk), text = read_file(other);
-  refused(other + " " + walk + ":0-1 " + folder + " --to npz", 2, "are read");
+  refused(other + " " + walk + ":0-1 " + folder + " --to npz", 2, "is read");
   fs::create_symlink(walk, folder + "/link.npz");
-  refused(other + " " + walk + ":0-1 " + folder + "/../safe --to npz", 2, "are read");
-  refused(folder + "/link.npz " + folder + "/./walk.npz", 2, "are read");
-  refused(walk + " " + at("x.glb") + " --json " + walk, 2, "are read");
+  refused(other + " " + walk + ":0-1 " + folder + "/../safe --to npz", 2, "is read");
+  refused(folder + "/link.npz " + folder + "/./walk.npz", 2, "is read");
+  refused(walk + " " + at("x.glb") + " --json " + walk, 2, "is read");
   refused(walk + " " + at("x.glb") + " --json " + folder + "/../x.glb", 2, "twice");
   EXPECT_EQ(read_file(walk), before);
   EXPECT_EQ(read_file(other), text);
