@@ -80,7 +80,7 @@ std::vector<Table> describe_glb(const fs::path& file) {
 }
 
 std::vector<Table> describe_film(const fs::path& file) {
-  const std::string bytes = read_head(file, 24);  // films may be larger than what is read at once
+  const std::string bytes = read_head(file, 64);  // a film may be larger than the memory
   const bool png = begins(bytes, "\x89PNG\r\n\x1a\n") && bytes.size() >= 24,
              gif = begins(bytes, "GIF8") && bytes.size() >= 10, mp4 = begins(bytes, "ftyp", 4);
   if (!png && !gif && !mp4)
