@@ -33,15 +33,16 @@ std::uint64_t little_endian(const std::string& bytes, std::size_t at, std::size_
 }
 
 // The JSON chunk: its length, "JSON", its text, after a head of 12 bytes.
-Json gltf_json(const std::string& bytes, const std::string& name) {
-  if (!begins(bytes, "glTF") || bytes.size() < 20 || !begins(bytes, "JSON", 16))
+Json gltf_json(const fs::path& file) {
+  const std::string name = file.string(), head = read_head(file, 20);
+  if (!begins(head, "glTF") || head.size() < 20 || !begins(head, "JSON", 16))
     throw DataError(in_file(name), "does not begin as a binary glTF file does (glTF, then JSON)");
-  const std::uint64_t length = little_endian(bytes, 12, 4);
-  if (length > bytes.size() - 20)
+  const std::uint64_t length = little_endian(head, 12, 4), left = fs::file_size(file) - 20;
+  if (length > left)
     throw DataError(at_byte(name, 12), "tells of " + std::to_string(length) +
                                            " bytes of JSON; the file ends after " +
-                                           std::to_string(bytes.size() - 20));
-  return parse_json(bytes.substr(20, length), name);
+                                           std::to_string(left));
+  return parse_json(read_head(file, 20 + length).substr(20), name);
 }
 
 // The last time of an animation: the greatest "max" of the accessors that its samplers read.
@@ -54,15 +55,14 @@ double seconds_of(const Json& gltf, const Json& animation) {
   return seconds;
 }
 
-void add_size(Table& table, const std::string& bytes) {
-  table.row({"size", format_fixed(static_cast<double>(bytes.size()) / 1e6, 2) + " MB"});
+void add_size(Table& table, const fs::path& file) {
+  table.row({"size", format_fixed(static_cast<double>(fs::file_size(file)) / 1e6, 2) + " MB"});
 }
 
 }  // namespace
 
 std::vector<Table> describe_glb(const fs::path& file) {
-  const std::string bytes = read_file(file);
-  const Json gltf = gltf_json(bytes, file.string());
+  const Json gltf = gltf_json(file);
   try {
     Table table(file.string(), {"glTF (binary)", "value"});
     table.row({"made by", gltf.at("asset").value("generator", "unknown")});
@@ -71,7 +71,7 @@ std::vector<Table> describe_glb(const fs::path& file) {
     for (const Json& animation : gltf.value("animations", Json::array()))
       table.row({"animation " + animation.value("name", "without a name"),
                  format_fixed(seconds_of(gltf, animation), 2) + " s"});
-    add_size(table, bytes);
+    add_size(table, file);
     table.note("For Blender and 3D viewers; mocaplm writes it and does not read it back.");
     return {table};
   } catch (const Json::exception& error) {
@@ -80,7 +80,7 @@ std::vector<Table> describe_glb(const fs::path& file) {
 }
 
 std::vector<Table> describe_film(const fs::path& file) {
-  const std::string bytes = read_file(file);
+  const std::string bytes = read_head(file, 64);  // a film may be larger than the memory
   const bool png = begins(bytes, "\x89PNG\r\n\x1a\n") && bytes.size() >= 24,
              gif = begins(bytes, "GIF8") && bytes.size() >= 10, mp4 = begins(bytes, "ftyp", 4);
   if (!png && !gif && !mp4)
@@ -92,7 +92,7 @@ std::vector<Table> describe_film(const fs::path& file) {
   if (gif)
     table.row({"pixels", std::to_string(little_endian(bytes, 6, 2)) + " x " +
                              std::to_string(little_endian(bytes, 8, 2))});
-  add_size(table, bytes);
+  add_size(table, file);
   return {table};
 }
 
