@@ -22,6 +22,7 @@ struct ConvertCommand {
     check_writable(json);
     job.inputs.assign(names.begin(), names.end() - 1);
     job.out = names.back();
+    job.table = json;
     print_table(convert_files(job), json);
   }
 };

@@ -3,24 +3,18 @@
 #include <map>
 #include <mutex>
 
-#include "app/motion_inputs.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/parallel.h"
 #include "common/progress.h"
 #include "common/text.h"
+#include "motion/inputs.h"
 
 namespace fs = std::filesystem;
 
 namespace mocaplm {
 
 namespace {
-
-void refuse_own_source(const MotionInput& input, const fs::path& out) {
-  std::error_code missing;
-  if (fs::equivalent(input.file(), out, missing))
-    throw UsageError(out.string() + " is the motion to be converted: give another name");
-}
 
 // Where each motion goes.
 std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>& inputs) {
@@ -29,7 +23,6 @@ std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>
       throw UsageError(job.out.string() + " is to be a folder: give --to " +
                        join(written_formats(), ", --to "));
     check_written_format(job.out);
-    refuse_own_source(inputs.front(), job.out);
     return {job.out};
   }
   if (fs::exists(job.out) && !fs::is_directory(job.out))
@@ -42,7 +35,6 @@ std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>
     if (!fresh)
       throw UsageError(first->second + " and " + input.text + " would both be written to " +
                        files.back().string() + ": convert them into two folders");
-    refuse_own_source(input, files.back());
   }
   return files;
 }
@@ -62,6 +54,9 @@ Table convert_files(const ConvertJob& job) {
   const std::vector<MotionInput> inputs = find_motions(job.inputs, job.clips);
   if (inputs.empty()) throw UsageError("there is nothing to convert");
   const std::vector<fs::path> files = plan(job, inputs);
+  std::vector<fs::path> written = files;
+  written.push_back(job.table);
+  check_outputs(written, files_of(inputs));
   check_writable(files.front());
   WriteOptions options;
   options.bvh_unit = job.config.unit == "m" ? BvhUnit::metres : BvhUnit::centimetres;
@@ -70,7 +65,7 @@ Table convert_files(const ConvertJob& job) {
   std::mutex mutex;
   Progress progress("converting", inputs.size(), "clips");
   parallel_for(inputs.size(), job.threads, [&](std::size_t i) {
-    const Clip clip = edited(read_motion(inputs[i], job.read), job.config.edit);
+    const Clip clip = edited(read_motion(inputs[i], job.read).clip, job.config.edit);
     write_clip(files[i], clip, options);
     rows[i] = {files[i].string(), inputs[i].text, clip.frames(), clip.fps, clip.seconds()};
     const std::lock_guard<std::mutex> lock(mutex);

@@ -33,15 +33,16 @@ std::uint64_t little_endian(const std::string& bytes, std::size_t at, std::size_
 }
 
 // The JSON chunk: its length, "JSON", its text, after a head of 12 bytes.
-Json gltf_json(const std::string& bytes, const std::string& name) {
-  if (!begins(bytes, "glTF") || bytes.size() < 20 || !begins(bytes, "JSON", 16))
+Json gltf_json(const fs::path& file) {
+  const std::string name = file.string(), head = read_head(file, 20);
+  if (!begins(head, "glTF") || head.size() < 20 || !begins(head, "JSON", 16))
     throw DataError(in_file(name), "does not begin as a binary glTF file does (glTF, then JSON)");
-  const std::uint64_t length = little_endian(bytes, 12, 4);
-  if (length > bytes.size() - 20)
+  const std::uint64_t length = little_endian(head, 12, 4), left = fs::file_size(file) - 20;
+  if (length > left)
     throw DataError(at_byte(name, 12), "tells of " + std::to_string(length) +
                                            " bytes of JSON; the file ends after " +
-                                           std::to_string(bytes.size() - 20));
-  return parse_json(bytes.substr(20, length), name);
+                                           std::to_string(left));
+  return parse_json(read_head(file, 20 + length).substr(20), name);
 }
 
 // The last time of an animation: the greatest "max" of the accessors that its samplers read.
@@ -61,8 +62,7 @@ void add_size(Table& table, const fs::path& file) {
 }  // namespace
 
 std::vector<Table> describe_glb(const fs::path& file) {
-  const std::string bytes = read_file(file);
-  const Json gltf = gltf_json(bytes, file.string());
+  const Json gltf = gltf_json(file);
   try {
     Table table(file.string(), {"glTF (binary)", "value"});
     table.row({"made by", gltf.at("asset").value("generator", "unknown")});

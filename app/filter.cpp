@@ -7,7 +7,7 @@
 #include "app/options.h"
 #include "app/spectral_files.h"
 #include "common/error.h"
-#include "spectral/clip_range.h"
+#include "motion/clip_range.h"
 
 namespace mocaplm {
 

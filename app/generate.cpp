@@ -38,15 +38,11 @@ std::string numbered(const GenerateCommand& command, std::int64_t i) {
 
 // What is read must not be written over, and what cannot be written is said before the work.
 void check_out(const GenerateCommand& command) {
-  std::error_code missing;
+  std::vector<std::filesystem::path> written = {command.json};
   for (std::int64_t i = 0; i < command.count; ++i)
-    for (const std::string& file : generated_files(numbered(command, i))) {
-      if (!command.prompt.empty() && std::filesystem::equivalent(file, command.prompt, missing))
-        throw UsageError("--out would replace the prompt " + command.prompt +
-                         ": give another --out");
-      check_writable(file);
-    }
-  check_writable(command.json);
+    for (const std::string& file : generated_files(numbered(command, i))) written.push_back(file);
+  check_outputs(written, {command.prompt});
+  for (const std::filesystem::path& file : written) check_writable(file);
   FrameStream::check(command.stream);
 }
 

@@ -76,13 +76,10 @@ void run(InfillCommand& command) {
   options.joints = parse_joints(command.joints);
   options.labels = parse_labels(command.labels);
   if (options.to > 0 && options.to <= options.from) throw UsageError("--to must be above --from");
-  std::error_code missing;
-  for (const std::string& file : generated_files(command.out)) {
-    if (std::filesystem::equivalent(file, command.clip, missing))
-      throw UsageError("--out would replace the clip " + command.clip + ": give another --out");
-    check_writable(file);
-  }
-  check_writable(command.json);
+  std::vector<std::filesystem::path> written = {command.json};
+  for (const std::string& file : generated_files(command.out)) written.push_back(file);
+  check_outputs(written, {command.clip});
+  for (const std::filesystem::path& file : written) check_writable(file);
   options.clip = read_clip(command.clip, {});
   const InfillResult result = infill(options);
   const Table table = infill_table(result, command);

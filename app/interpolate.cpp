@@ -8,7 +8,7 @@
 #include "app/spectral_files.h"
 #include "common/error.h"
 #include "common/files.h"
-#include "spectral/clip_range.h"
+#include "motion/clip_range.h"
 #include "spectral/interpolate/evaluation.h"
 
 namespace mocaplm {

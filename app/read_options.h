@@ -9,8 +9,15 @@
 
 namespace mocaplm {
 
-// --up and --bvh-map. `options` must live as long as `app`.
-inline void add_read_options(CLI::App& app, ReadOptions& options) {
+// --up, --bvh-map, and the files' own frame rate, whose option has a name for each command: --fps
+// may be the rate of what it writes. `options` must live as long as `app`.
+inline void add_read_options(CLI::App& app, ReadOptions& options,
+                             const std::string& rate = "--source-fps") {
+  app.add_option_function<double>(
+         rate, [&options](const double& fps) { options.fps = fps; },
+         "frame rate of the files, where their own is wrong or missing")
+      ->check(CLI::Range(0.001, 10000.0))
+      ->check(BindOptions::finite());
   app.add_option("--up", options.up, "up axis of the files (default: by their format)")
       ->transform(CLI::CheckedTransformer(std::map<std::string, UpAxis>{
           {"auto", UpAxis::automatic}, {"y", UpAxis::y}, {"z", UpAxis::z}}));

@@ -4,11 +4,11 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/motion_inputs.h"
 #include "app/options.h"
 #include "app/read_options.h"
 #include "common/error.h"
 #include "common/files.h"
+#include "motion/inputs.h"
 
 namespace mocaplm {
 
@@ -21,7 +21,7 @@ struct RenderCommand {
   std::int64_t threads = 0;
 
   void run() const {
-    check_render_path(out);
+    check_render(out, config);
     check_writable(out);
     check_writable(json);
     const std::vector<std::string> chosen =
@@ -30,7 +30,8 @@ struct RenderCommand {
     if (found.size() != 1)
       throw UsageError(clip + " holds " + std::to_string(found.size()) +
                        " clips: choose one with --clip");
-    const Clip motion = read_motion(found[0], read);
+    check_outputs({out, json}, files_of(found));
+    const Clip motion = read_motion(found[0], read).clip;
     const std::int64_t pictures = render_clip(motion, out, config, threads);
     Table table("", {"rendered", "value"});
     table.row({"file", out});

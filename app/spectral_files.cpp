@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "app/generated.h"
-#include "common/error.h"
 #include "common/files.h"
 #include "motion/formats/formats.h"
 #include "spectral/embedding.h"
@@ -67,14 +66,11 @@ std::string coefficients(const NamedClips& clips) {
 }  // namespace
 
 void SpectralFiles::check(const std::vector<std::string>& inputs) const {
-  std::error_code missing;
-  for (const std::string& file : generated_files(out)) {
-    for (const std::string& input : inputs)
-      if (std::filesystem::equivalent(file, input, missing))
-        throw UsageError("--out would replace the clip " + input + ": give another --out");
-    check_writable(file);
-  }
-  for (const std::string* file : {&plot, &spectrogram, &json}) check_writable(*file);
+  std::vector<std::string> files = generated_files(out);
+  files.insert(files.end(), {plot, spectrogram, json});
+  check_outputs(std::vector<std::filesystem::path>(files.begin(), files.end()),
+                std::vector<std::filesystem::path>(inputs.begin(), inputs.end()));
+  for (const std::string& file : files) check_writable(file);
 }
 
 std::vector<std::string> SpectralFiles::write(const Clip& result, const Page& page,

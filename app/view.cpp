@@ -15,12 +15,10 @@ namespace {
 struct ViewCommand {
   ViewOptions options;
   std::string out;
-  double fps = 0;
 };
 
 void run_view(ViewCommand& command) {
   check_page_path(command.out);
-  if (command.fps > 0) command.options.read.fps = command.fps;
   std::vector<std::string> remarks;
   const Page page = open_page(command.options, &remarks);
   write_page(command.out, page);
@@ -38,7 +36,9 @@ void add_view(CLI::App& app) {
       app.add_subcommand("view", "write a page that plays clips side by side in a browser");
   auto command = std::make_shared<ViewCommand>();
   ViewOptions& options = command->options;
-  view->add_option("CLIP", options.inputs, "motion files (.npz, .pkl, .bvh) or dataset folders")
+  view->add_option("CLIP", options.inputs,
+                   "motion files (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds), or dataset "
+                   "folders")
       ->required();
   view->add_option("--out", command->out, "the page, a .html file")->required();
   view->add_option("--clip", options.clips, "show these clips of the dataset folders")
@@ -52,10 +52,7 @@ void add_view(CLI::App& app) {
   view->add_option("--trails", options.trails,
                    "joints that draw their path (default: wrists, off at first)")
       ->delimiter(',');
-  view->add_option("--fps", command->fps, "frame rate of the files, where their own is wrong")
-      ->check(CLI::Range(0.001, 10000.0))
-      ->check(BindOptions::finite());
-  add_read_options(*view, options.read);
+  add_read_options(*view, options.read, "--fps");
   view->callback([command] { run_view(*command); });
 }
 

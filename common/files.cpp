@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <set>
 
 #include "common/error.h"
 
@@ -53,6 +54,14 @@ void flush_to_disk(const fs::path& path) {
   if (descriptor < 0) return;
   ::fsync(descriptor);
   ::close(descriptor);
+}
+
+// From the root and with links followed, whether the file exists or not: equal for two names of one
+// file.
+fs::path real_path(const fs::path& path) {
+  std::error_code error;
+  const fs::path found = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? path : found;
 }
 
 // The size of a regular file; throws DataError for everything else.
@@ -141,6 +150,20 @@ void check_writable(const fs::path& path) {
   if (descriptor < 0) throw DataError(in_file(path.string()), "cannot be written: " + reason());
   ::close(descriptor);
   ::unlink(probe.c_str());
+}
+
+void check_outputs(const std::vector<fs::path>& written, const std::vector<fs::path>& read) {
+  std::set<fs::path> sources, results;
+  for (const fs::path& file : read)
+    if (!file.empty()) sources.insert(real_path(file));
+  for (const fs::path& file : written) {
+    if (file.empty()) continue;
+    const fs::path real = real_path(file);
+    if (sources.count(real) > 0)
+      throw UsageError(file.string() + " would replace a file that is read: give another name");
+    if (!results.insert(real).second)
+      throw UsageError(file.string() + " would be written twice: give another name");
+  }
 }
 
 void write_directory_with(const fs::path& path,

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mocaplm {
 
@@ -40,6 +41,11 @@ void flush_files_under(const std::filesystem::path& folder);
 // Throws DataError when write_file would fail now, so that a command can say so before hours of
 // work. Creates the parent directory; an empty path means no file and passes.
 void check_writable(const std::filesystem::path& path);
+
+// Throws UsageError when one of the files that a command writes would replace one that it reads, or
+// another one that it writes, in whatever way they are named. Empty paths mean no file and pass.
+void check_outputs(const std::vector<std::filesystem::path>& written,
+                   const std::vector<std::filesystem::path>& read);
 
 // Fills `temporary` (a fresh directory beside `path`), then swaps it in for `path`. An old
 // directory is replaced only when `may_replace(path)` is true or it is empty; otherwise DataError,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -42,6 +43,13 @@ std::string format_fixed(double value, int digits) {
   char buffer[400];
   std::snprintf(buffer, sizeof buffer, "%.*f", digits, value);
   return buffer;
+}
+
+void append_fixed(std::string& text, double value, int digits) {
+  char buffer[400];  // the largest double has 309 digits before the point
+  const std::to_chars_result result =
+      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, digits);
+  text.append(buffer, result.ptr);
 }
 
 std::string format_duration(double seconds) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/floor.h"
 #include "motion/skeleton.h"
 
 namespace mocaplm {
@@ -213,13 +214,16 @@ constexpr FootRing kToes[] = {{-.25, -.004, .034, .025}, {.1, -.004, .044, .0295
                               {.6, -.003, .042, .025},   {1, -.002, .034, .02},
                               {1.2, -.004, .022, .014},  {1.28, -.005, .003, .003}};
 
-// Heel and toe tip beside ankle and foot joint, on the left; mirrored on the right. The heels
-// differ since the rest pose is not symmetric.
+// One of figure_soles(), of the left ones, and on the right the one after it.
+Vector3d sole(std::size_t left, int side) {
+  const Sole& found = figure_soles()[left + static_cast<std::size_t>(side)];
+  return rest(found.joint) + found.middle.transpose();
+}
 Vector3d heel(int side) {
-  return rest(7 + side) + (side == 0 ? Vector3d(-.008, -.058, -.04) : Vector3d(.008, -.050, -.04));
+  return sole(0, side);
 }
 Vector3d toe_tip(int side) {
-  return rest(10 + side) + Vector3d(side == 0 ? .015 : -.015, -.010, .07);
+  return sole(4, side);
 }
 
 template <std::size_t Size>

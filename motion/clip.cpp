@@ -13,6 +13,7 @@ namespace mocaplm {
 namespace {
 
 constexpr double kAbsurd = 1e6;
+constexpr double kSlowest = 1e-6;  // frames per second; the times of slower ones overflow in files
 
 bool sane(double value) {
   return std::isfinite(value) && std::abs(value) <= kAbsurd;
@@ -35,9 +36,9 @@ void check_clip(const Clip& clip, const std::string& file) {
     throw DataError(in_file(file), "has " + std::to_string(clip.frames()) +
                                        " frames of poses but " + std::to_string(clip.trans.rows()) +
                                        " of translation");
-  if (!std::isfinite(clip.fps) || clip.fps <= 0 || clip.fps > 10000)
+  if (!(clip.fps >= kSlowest && clip.fps <= 10000))  // nor NaN
     throw DataError(in_file(file), "frame rate " + format_number(clip.fps) +
-                                       ", expected between 0 and 10000 per second");
+                                       ", expected between 0.000001 and 10000 per second");
   if (all_sane(clip.poses) && all_sane(clip.trans)) return;
   for (Eigen::Index t = 0; t < clip.frames(); ++t) {
     for (Eigen::Index c = 0; c < 72; ++c)

@@ -26,7 +26,8 @@ struct Clip {
 };
 
 // Throws DataError naming the frame and joint of the first non-finite value, or when the clip is
-// empty, the row counts differ, the rate is not in (0, 10000] or a value is absurdly large (1e6).
+// empty, the row counts differ, the rate is not in [1e-6, 10000] or a value is absurdly large
+// (1e6).
 void check_clip(const Clip& clip, const std::string& file);
 
 // Frames [first, first + count); the range must lie inside the clip.

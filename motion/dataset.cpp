@@ -111,6 +111,13 @@ const std::vector<std::string>& split_names() {
   return names;
 }
 
+const DatasetEntry* Dataset::find(const std::string& name) const {
+  const auto at = std::lower_bound(
+      entries.begin(), entries.end(), name,
+      [](const DatasetEntry& entry, const std::string& wanted) { return entry.name < wanted; });
+  return at != entries.end() && at->name == name ? &*at : nullptr;
+}
+
 std::vector<DatasetEntry> Dataset::split(const std::string& name) const {
   std::vector<DatasetEntry> chosen;
   for (const DatasetEntry& entry : entries)

@@ -34,6 +34,8 @@ struct Dataset {
   bool procedural = false;            // made by `synth`: said wherever its motion is shown
   Json import = Json::object();       // the resolved settings of the command that made it
 
+  // The clip of this name, or null.
+  const DatasetEntry* find(const std::string& name) const;
   std::vector<DatasetEntry> split(const std::string& name) const;
   // Values of one label over all entries, sorted, each once.
   std::vector<std::string> label_values(const std::string& label) const;

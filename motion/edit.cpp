@@ -33,7 +33,7 @@ Clip edited(const Clip& clip, const EditConfig& config) {
   Clip out = config.fps > 0 ? resample(clip, config.fps) : clip;
   if (config.mirror) out = mirror(out);
   if (config.face) out = faced(out);
-  if (config.floor) align_floor(out, kSoleBelowFoot);
+  if (config.floor) stand_on_ground(out);
   return out;
 }
 

@@ -19,7 +19,7 @@ struct RenderConfig {
   void describe(Visitor& v) {
     v.integer("width", width, 64, 4096, "of the picture, pixels");
     v.integer("height", height, 64, 4096, "of the picture, pixels");
-    v.number("fps", fps, 1, 120, ".mp4, .gif: pictures per second");
+    v.number("fps", fps, 1, 120, ".mp4, .gif (at most 50): pictures per second");
     v.number("at", at, 0, 1e6, ".png: the moment, seconds from the beginning");
     v.integer("poses", poses, 1, 24,
               ".png: so many poses from the beginning to the end in one picture, the early ones "

@@ -17,6 +17,8 @@ namespace mocaplm {
 
 namespace {
 
+constexpr int kNoProgram = 127;  // how a child ends that could not become the program
+
 // An unnamed file for what the program complains about.
 int temporary_file() {
   std::string name = (std::filesystem::temp_directory_path() / "mocaplm-ffmpeg-XXXXXX").string();
@@ -85,7 +87,7 @@ Ffmpeg::Ffmpeg(const std::string& program, int width, int height, double fps,
     ::dup2(errors_, 1);
     ::dup2(errors_, 2);
     ::execv(program.c_str(), arguments.data());
-    ::_exit(127);
+    ::_exit(kNoProgram);
   }
   ::close(pipe[0]);
   to_ = pipe[1];
@@ -123,7 +125,13 @@ void Ffmpeg::finish() {
   const int status = wait();
   if (status == 0) return;
   const std::string said = read_end(errors_);
-  throw DataError(in_file(program_), said.empty() ? "cannot be run" : "failed: " + said);
+  if (!said.empty()) throw DataError(in_file(program_), "failed: " + said);
+  if (WIFSIGNALED(status))
+    throw DataError(in_file(program_), "was ended by signal " + std::to_string(WTERMSIG(status)));
+  if (!WIFEXITED(status) || WEXITSTATUS(status) == kNoProgram)
+    throw DataError(in_file(program_), "cannot be run");
+  throw DataError(in_file(program_), "failed with exit code " +
+                                         std::to_string(WEXITSTATUS(status)) + " and no message");
 }
 
 }  // namespace mocaplm

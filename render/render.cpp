@@ -21,6 +21,12 @@ namespace mocaplm {
 namespace {
 
 constexpr Eigen::Index kPaletteFrames = 12;  // that a .gif takes its 256 colours from
+// A .gif counts hundredths of a second, and what is to be seen for one of them browsers show for
+// ten.
+constexpr double kGifMaxFps = 50;
+// What the frames that are drawn at a time may take together, and a pixel of one of them: a layer's
+// four points, and the pictures that wait for their turn.
+constexpr std::size_t kDrawingBytes = std::size_t{2} << 30, kPixelBytes = 48;
 
 std::string ending(const fs::path& path) {
   return lower(path.extension().string());
@@ -40,7 +46,17 @@ Picture still(const Clip& clip, const RenderConfig& config) {
     frames.push_back(static_cast<Eigen::Index>(
         std::llround(static_cast<double>(i) * static_cast<double>(clip.frames() - 1) /
                      static_cast<double>(config.poses - 1))));
+  // A clip may have fewer frames: none is drawn twice, which would darken its shadow.
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
   return Stage(clip, config).poses(frames);
+}
+
+// As many as are asked for, fewer where so many large pictures would take too much memory.
+std::int64_t drawing_threads(const RenderConfig& config, std::int64_t threads) {
+  const std::size_t frame = kPixelBytes * static_cast<std::size_t>(config.width) *
+                            static_cast<std::size_t>(config.height);
+  return static_cast<std::int64_t>(
+      std::clamp<std::size_t>(kDrawingBytes / frame, 1, worker_count(threads)));
 }
 
 // Draws every `step`-th frame, several at a time, and hands them on in order.
@@ -63,7 +79,7 @@ class Film {
   Film(const Clip& clip, const RenderConfig& config, std::int64_t threads)
       : program_(find_ffmpeg()),
         config_(config),
-        threads_(threads),
+        threads_(drawing_threads(config, threads)),
         stage_(resample(clip, config.fps), config) {}
 
   Eigen::Index frames() const { return stage_.frames(); }
@@ -114,19 +130,24 @@ class Film {
 
 }  // namespace
 
-void check_render_path(const fs::path& path) {
+void check_render(const fs::path& path, const RenderConfig& config) {
   const std::string format = ending(path);
   if (format != ".png" && format != ".mp4" && format != ".gif")
     throw UsageError("cannot draw to \"" + path.string() +
                      "\": the name must end in .png, .mp4 or .gif");
+  if (format == ".png" && config.poses > 1 && config.follow)
+    throw UsageError("--poses shows the whole way from one place: leave --follow out");
+  if (format == ".gif" && config.fps > kGifMaxFps)
+    throw UsageError("--fps " + format_number(config.fps) + ": a .gif shows at most " +
+                     format_number(kGifMaxFps) + " pictures a second; .mp4 shows more");
   if (format != ".png") find_ffmpeg();
 }
 
 std::int64_t render_clip(const Clip& clip, const fs::path& path, const RenderConfig& config,
                          std::int64_t threads) {
-  check_render_path(path);
+  check_render(path, config);
   Clip standing = clip;
-  align_floor(standing, kSoleBelowFoot);
+  stand_on_ground(standing);
   if (ending(path) == ".png") {
     write_file(path, png_bytes(still(standing, config)));
     return 1;

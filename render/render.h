@@ -9,11 +9,13 @@
 
 namespace mocaplm {
 
-// Throws UsageError for another ending, or when it needs ffmpeg and there is none.
-void check_render_path(const std::filesystem::path& path);
+// Throws UsageError for another ending, when it needs ffmpeg and there is none, and for settings
+// that it cannot have (over 50 pictures a second in a .gif, several poses and a camera that
+// follows).
+void check_render(const std::filesystem::path& path, const RenderConfig& config);
 
 // Draws and writes it, put with its soles on the floor; returns the number of pictures. A film
-// shows the clip resampled to config.fps. Throws as check_render_path does, UsageError when
+// shows the clip resampled to config.fps. Throws as check_render does, UsageError when
 // config.at lies beyond the clip's end, DataError when ffmpeg fails or the disk refuses.
 std::int64_t render_clip(const Clip& clip, const std::filesystem::path& path,
                          const RenderConfig& config, std::int64_t threads);

@@ -7,7 +7,7 @@
 
 #include "common/error.h"
 #include "common/text.h"
-#include "spectral/clip_range.h"
+#include "motion/clip_range.h"
 
 namespace mocaplm {
 

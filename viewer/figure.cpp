@@ -2,47 +2,44 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "motion/floor.h"
 
 namespace mocaplm {
 
 namespace {
 
-// A point fixed to a joint: its offset in the rest pose, metres, and the radius of the body around
-// it.
+// A point fixed to a joint: its offset in the rest pose, metres.
 struct SurfacePoint {
   int joint;
   Eigen::RowVector3d offset;
 };
 
+SurfacePoint at_sole(std::size_t sole) {
+  return {figure_soles()[sole].joint, figure_soles()[sole].middle};
+}
+
 const std::array<SurfacePoint, kFigurePoints - kJoints>& surface_points() {
   static const std::array<SurfacePoint, kFigurePoints - kJoints> points = {{
-      {15, {0, 0.20, 0}},            // crown
-      {15, {0, 0.08, 0.12}},         // face
-      {7, {-0.008, -0.058, -0.04}},  // left heel
-      {8, {0.008, -0.050, -0.04}},   // right heel
-      {10, {0.015, -0.010, 0.07}},   // left toe tip
-      {11, {-0.015, -0.010, 0.07}},  // right toe tip
+      {15, {0, 0.20, 0}},     // crown
+      {15, {0, 0.08, 0.12}},  // face
+      at_sole(0),             // left heel
+      at_sole(1),             // right heel
+      at_sole(4),             // left toe tip
+      at_sole(5),             // right toe tip
   }};
   return points;
 }
 
-// Heels, balls and toe tips with the radius of the figure's foot there (the same as in body.js):
-// the soles of the rest pose are level within 2 mm.
-struct Sole {
-  int point;
-  double radius;
-};
-constexpr Sole kSoles[] = {{26, 0.032}, {27, 0.032}, {10, 0.034},
-                           {11, 0.034}, {28, 0.024}, {29, 0.024}};
+// Which points are the middles of figure_soles().
+constexpr std::array<int, 6> kSolePoints = {26, 27, 10, 11, 28, 29};
 
-constexpr double kFault = 0.03;  // metres
-
-// The lowest sole; but a few frames with faults (a foot turned over, a start in another place) do
-// not lift all the others off the ground.
-double ground_height(std::vector<double> soles) {
-  std::sort(soles.begin(), soles.end());
-  const double usual = soles[soles.size() / 20];
-  return usual - soles.front() > kFault ? usual : soles.front();
+double lowest_sole(const JointPositions& points) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < kSolePoints.size(); ++i)
+    lowest = std::min(lowest, points(kSolePoints[i], 1) - figure_soles()[i].radius);
+  return lowest;
 }
 
 }  // namespace
@@ -76,12 +73,10 @@ Figure make_figure(const Clip& clip) {
     all.middleRows(f * kFigurePoints, kFigurePoints) = points;
     low = low.cwiseMin(points.row(0));
     high = high.cwiseMax(points.row(0));
-    double sole = points(kSoles[0].point, 1);
-    for (const Sole& s : kSoles) sole = std::min(sole, points(s.point, 1) - s.radius);
-    soles.push_back(sole);
+    soles.push_back(lowest_sole(points));
   }
   figure.shift = -(low + high) / 2;
-  figure.shift.y() = -ground_height(std::move(soles));
+  figure.shift.y() = -ground_below(std::move(soles));
   all.rowwise() += figure.shift;
 
   figure.unit = std::max(figure.unit, all.cwiseAbs().maxCoeff() / 32767);

@@ -30,10 +30,9 @@ struct Figure {
 // One frame of a clip, (kFigurePoints, 3) world metres.
 JointPositions figure_points(const Clip& clip, Eigen::Index frame);
 
-// The shift puts the lowest sole of all frames on y = 0 (where the lowest 5% of the frames reach
-// more than 3 cm below the others they are taken for faults and may sink in) and the middle of the
-// pelvis' path (of its bounding box) on x = z = 0. Throws DataError when the clip is not valid
-// (check_clip).
+// The shift puts the lowest sole of all frames on y = 0 (ground_below in motion/floor.h: frames
+// that are taken for faults may sink in) and the middle of the pelvis' path (of its bounding box)
+// on x = z = 0. Throws DataError when the clip is not valid (check_clip).
 Figure make_figure(const Clip& clip);
 
 }  // namespace mocaplm

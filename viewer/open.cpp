@@ -1,11 +1,10 @@
 #include "viewer/open.h"
 
-#include <algorithm>
-#include <set>
+#include <map>
 
 #include "common/error.h"
 #include "common/text.h"
-#include "motion/dataset.h"
+#include "motion/inputs.h"
 #include "motion/skeleton.h"
 
 namespace fs = std::filesystem;
@@ -14,7 +13,7 @@ namespace mocaplm {
 
 namespace {
 
-// Collects motions and remembers which of the wanted clip names were found.
+// Collects motions.
 class Opener {
  public:
   Opener(const ViewOptions& options, std::vector<std::string>* remarks)
@@ -26,18 +25,7 @@ class Opener {
   Page open() {
     if (options_.inputs.empty())
       throw UsageError("name at least one motion file or dataset folder");
-    for (const std::string& input : options_.inputs) {
-      if (fs::is_directory(input)) {
-        add_dataset(input);
-      } else {
-        add(read_clip(input, options_.read), fs::path(input).stem().string(), "");
-      }
-    }
-    for (const std::string& name : options_.clips)
-      if (!found_.count(name))
-        throw UsageError(
-            "no clip is named \"" + name + "\"" + did_you_mean(name, known_) +
-            (known_.empty() ? ": --clip chooses from dataset folders, none was given" : ""));
+    for (const MotionInput& input : chosen()) add(input);
     page_.title = options_.title.empty() ? made_title() : options_.title;
     if (page_.note.empty())
       page_.note = options_.note;
@@ -47,43 +35,40 @@ class Opener {
   }
 
  private:
-  void add(Clip clip, const std::string& fallback_name, const std::string& caption) {
+  // All that is named; of a dataset's folder, where no clips are, the first ones.
+  std::vector<MotionInput> chosen() {
+    std::vector<MotionInput> shown;
+    std::map<const Dataset*, std::size_t> counts;
+    for (const MotionInput& input : find_motions(options_.inputs, options_.clips)) {
+      if (input.dataset && options_.clips.empty()) {
+        const std::size_t count = ++counts[input.dataset.get()];
+        if (count == kDatasetPreview + 1) remark_preview(*input.dataset);
+        if (count > kDatasetPreview) continue;
+      }
+      shown.push_back(input);
+    }
+    return shown;
+  }
+
+  void remark_preview(const Dataset& dataset) {
+    if (remarks_)
+      remarks_->push_back("showing the first " + std::to_string(kDatasetPreview) + " of " +
+                          std::to_string(dataset.entries.size()) + " clips of " +
+                          dataset.directory.string() + "; choose with --clip NAME");
+  }
+
+  void add(const MotionInput& input) {
     if (page_.motions.size() == kMaxPageMotions)
       throw UsageError("a page shows at most " + std::to_string(kMaxPageMotions) +
                        " motions; name fewer");
-    if (clip.name.empty()) clip.name = fallback_name;
-    const std::string title = clip.name;
-    page_.motions.push_back({title, std::move(clip), joints_, trails_, caption});
-  }
-
-  void add_dataset(const std::string& directory) {
-    const Dataset dataset = load_dataset(directory);
-    if (dataset.procedural) page_.note = "procedural dances, made by formulas, not recorded";
-    const std::vector<DatasetEntry> chosen = choose(dataset);
-    for (const DatasetEntry& entry : chosen)
-      add(load_clip(dataset, entry), entry.name, entry.split + " clip of " + directory);
-  }
-
-  std::vector<DatasetEntry> choose(const Dataset& dataset) {
-    std::vector<DatasetEntry> chosen;
-    for (const DatasetEntry& entry : dataset.entries) known_.push_back(entry.name);
-    if (options_.clips.empty()) {
-      const std::size_t count = std::min(kDatasetPreview, dataset.entries.size());
-      if (count < dataset.entries.size() && remarks_)
-        remarks_->push_back("showing the first " + std::to_string(count) + " of " +
-                            std::to_string(dataset.entries.size()) + " clips of " +
-                            dataset.directory.string() + "; choose with --clip NAME");
-      chosen.assign(dataset.entries.begin(),
-                    dataset.entries.begin() + static_cast<std::ptrdiff_t>(count));
-      return chosen;
+    RangedClip read = read_motion(input, options_.read);
+    std::string caption;
+    if (input.dataset) {
+      if (input.dataset->procedural)
+        page_.note = "procedural dances, made by formulas, not recorded";
+      caption = read.entry->split + " clip of " + input.dataset->directory.string();
     }
-    for (const std::string& name : options_.clips)
-      for (const DatasetEntry& entry : dataset.entries)
-        if (entry.name == name) {
-          chosen.push_back(entry);
-          found_.insert(name);
-        }
-    return chosen;
+    page_.motions.push_back({input.name, std::move(read.clip), joints_, trails_, caption});
   }
 
   std::string made_title() const {
@@ -100,8 +85,6 @@ class Opener {
   const ViewOptions& options_;
   std::vector<std::string>* remarks_;
   std::vector<int> joints_, trails_;
-  std::vector<std::string> known_;
-  std::set<std::string> found_;
   Page page_;
 };
 

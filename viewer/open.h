@@ -15,6 +15,7 @@ constexpr std::size_t kMaxPageMotions = 48;
 constexpr std::size_t kDatasetPreview = 6;
 
 struct ViewOptions {
+  // As find_motions (motion/inputs.h) takes them.
   std::vector<std::string> inputs;          // .npz, .pkl, .bvh files and dataset directories
   std::vector<std::string> clips;           // names of clips in the dataset directories
   std::vector<std::string> joints, trails;  // joints or groups (parse_joints); may be empty

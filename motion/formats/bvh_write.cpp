@@ -1,8 +1,8 @@
 // Writing a clip as BVH text.
-#include <charconv>
 #include <cmath>
 
 #include "common/files.h"
+#include "common/text.h"
 #include "motion/formats/bvh.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
@@ -13,13 +13,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr EulerOrder kOrder = {2, 0, 1};  // ZXY
-
-void append(std::string& text, double value, int digits) {
-  char buffer[64];
-  const auto result =
-      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, digits);
-  text.append(buffer, result.ptr);
-}
 
 // How lengths are written: 1e-8 m or 1e-9 m whatever the unit.
 struct Lengths {
@@ -32,7 +25,7 @@ void append_offset(std::string& text, const std::string& indent, const Eigen::Ve
                    const Lengths& lengths) {
   text += indent + "OFFSET";
   for (int axis = 0; axis < 3; ++axis)
-    append(text += ' ', offset[axis] * lengths.per_metre, lengths.offset_digits);
+    append_fixed(text += ' ', offset[axis] * lengths.per_metre, lengths.offset_digits);
   text += '\n';
 }
 
@@ -94,7 +87,7 @@ std::string bvh_text(const Clip& clip, BvhUnit unit) {
   std::string text = "HIERARCHY\n";
   append_joint(text, 0, "", lengths);
   text += "MOTION\nFrames: " + std::to_string(clip.frames()) + "\nFrame Time: ";
-  append(text, 1 / clip.fps, 15);
+  append_fixed(text, 1 / clip.fps, 15);
   text += '\n';
   std::vector<int> order;
   order_joints(0, order);
@@ -102,13 +95,13 @@ std::string bvh_text(const Clip& clip, BvhUnit unit) {
   for (Eigen::Index t = 0; t < clip.frames(); ++t) {
     const Eigen::Vector3d pelvis =
         (clip.trans.row(t) + rest_joints().row(0)).transpose() * lengths.per_metre;
-    append(text, pelvis.x(), lengths.channel_digits);
-    append(text += ' ', pelvis.y(), lengths.channel_digits);
-    append(text += ' ', pelvis.z(), lengths.channel_digits);
+    append_fixed(text, pelvis.x(), lengths.channel_digits);
+    append_fixed(text += ' ', pelvis.y(), lengths.channel_digits);
+    append_fixed(text += ' ', pelvis.z(), lengths.channel_digits);
     for (const int joint : order) {
       const Eigen::Vector3d v = clip.poses.row(t).segment<3>(3 * joint).transpose();
       previous.col(joint) = continuous_euler(matrix_from_axis_angle(v), previous.col(joint));
-      for (int i = 0; i < 3; ++i) append(text += ' ', previous(i, joint) * 180 / kPi, 7);
+      for (int i = 0; i < 3; ++i) append_fixed(text += ' ', previous(i, joint) * 180 / kPi, 7);
     }
     text += '\n';
   }

@@ -1,8 +1,7 @@
 #include "motion/formats/joint_csv.h"
 
-#include <charconv>
-
 #include "common/files.h"
+#include "common/text.h"
 #include "motion/skeleton.h"
 
 namespace mocaplm {
@@ -11,13 +10,8 @@ namespace {
 
 constexpr int kDigits = 6;
 
-// As std::to_string would, whatever the locale, and several times faster.
 void append(std::string& text, double value) {
-  char buffer[64];
-  const auto result =
-      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, kDigits);
-  text += ',';
-  text.append(buffer, result.ptr);
+  append_fixed(text += ',', value, kDigits);
 }
 
 }  // namespace

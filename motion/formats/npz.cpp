@@ -110,8 +110,10 @@ double read_rate(const AmassReader& reader) {
     // AMASS has rates such as 120.00004577636719.
     return whole > 0 && std::abs(rate - whole) < 1e-3 ? whole : rate;
   }
-  throw DataError(in_file(reader.file()),
-                  "says no frame rate (mocap_framerate or mocap_frame_rate): give it with --fps");
+  throw DataError(
+      in_file(reader.file()),
+      "says no frame rate (mocap_framerate or mocap_frame_rate): tell it (import, view: "
+      "--fps; convert, render: --source-fps)");
 }
 
 }  // namespace

@@ -8,7 +8,9 @@
 #include "motion/edit.h"
 #include "motion/floor.h"
 #include "motion/formats/formats.h"
+#include "motion/formats/npy.h"
 #include "motion/formats/npz.h"
+#include "motion/formats/zip_file.h"
 #include "motion/mirror.h"
 #include "motion/skeleton.h"
 #include "support/glb_file.h"
@@ -91,7 +93,7 @@ TEST_F(Convert, EditsOnTheWay) {
   EXPECT_EQ(part.frames(), 15);
   EXPECT_EQ(part.fps, 15);
   EXPECT_NEAR(facing(part, 0), 0, 1e-9);
-  EXPECT_NEAR(floor_height(part), kSoleBelowFoot, 1e-9);
+  EXPECT_NEAR(ground_height(part), 0, 1e-9);
   EditConfig edits;
   edits.fps = 15;
   edits.face = edits.floor = true;
@@ -99,6 +101,17 @@ TEST_F(Convert, EditsOnTheWay) {
 
   converts(at("walk.npz") + " --mirror " + at("mirrored.npz"));
   EXPECT_EQ(read_npz(at("mirrored.npz")).poses, mirror(walk()).poses);
+}
+
+TEST_F(Convert, TakesTheRateThatAFileLacks) {
+  const Clip clip = walk();
+  const auto frames = static_cast<std::size_t>(clip.frames());
+  write_zip(at("rateless.npz"), {{"poses.npy", npy_bytes(clip.poses.data(), {frames, 72})},
+                                 {"trans.npy", npy_bytes(clip.trans.data(), {frames, 3})}});
+  refused(at("rateless.npz") + " " + at("x.bvh"), 3, "--source-fps");
+  converts(at("rateless.npz") + " " + at("rated.npz") + " --source-fps 40 --fps 20");
+  EXPECT_EQ(read_npz(at("rated.npz")).fps, 20);
+  EXPECT_EQ(read_npz(at("rated.npz")).frames(), 30);
 }
 
 TEST_F(Convert, FillsAFolder) {
@@ -132,9 +145,29 @@ TEST_F(Convert, RefusesWhatCannotBe) {
   refused(at("data") + " --clip c " + at("x.bvh"), 2, "no clip is named");
   refused(walk + " --clip a " + at("x.bvh"), 2, "none was given");
   refused(at("none.npz") + " " + at("x.bvh"), 3, "none.npz");
+  refused(walk + " " + at("none.npz") + " " + at("twice") + " --to bvh", 3, "no such file");
   refused(folder_->path().string() + " " + at("x") + " --to npz", 3, "dataset.json");
   EXPECT_FALSE(fs::exists(at("x.bvh")));
   EXPECT_FALSE(fs::exists(at("twice")));
+}
+
+// Not only its own source: one file's result could take the place of another one that is still to
+// be read, and the table that of a motion.
+TEST_F(Convert, NeverWritesOverAMotionThatIsRead) {
+  const std::string folder = at("safe"), walk = folder + "/walk.npz", other = folder + "/walk.bvh";
+  fs::create_directories(folder);
+  fs::copy_file(at("walk.npz"), walk);
+  converts(walk + " " + other);
+  const std::string before = read_file(walk), text = read_file(other);
+  refused(other + " " + walk + ":0-1 " + folder + " --to npz", 2, "is read");
+  fs::create_symlink(walk, folder + "/link.npz");
+  refused(other + " " + walk + ":0-1 " + folder + "/../safe --to npz", 2, "is read");
+  refused(folder + "/link.npz " + folder + "/./walk.npz", 2, "is read");
+  refused(walk + " " + at("x.glb") + " --json " + walk, 2, "is read");
+  refused(walk + " " + at("x.glb") + " --json " + folder + "/../x.glb", 2, "twice");
+  EXPECT_EQ(read_file(walk), before);
+  EXPECT_EQ(read_file(other), text);
+  EXPECT_FALSE(fs::exists(at("x.glb")));
 }
 
 }  // namespace

@@ -52,6 +52,9 @@ TEST_F(RenderCommand, RefusesWhatCannotBe) {
   refused(at("data/clips/b.npz") + small("x.avi"), 2, ".mp4");
   refused(at("data/clips/b.npz") + small("x.png") + "--at 2", 2, "0.50 s");
   refused(at("none.npz") + small("x.png"), 3, "none.npz");
+  refused(at("data/clips/b.npz") + small("x.png") + "--json " + at("data/clips/b.npz"), 2,
+          "is read");
+  refused(at("data/clips/b.npz") + small("x.png") + "--json " + at("x.png"), 2, "twice");
   const Ran ran = run_shell("PATH=/nowhere " MOCAPLM_BINARY_DIR "/mocaplm render " +
                             at("data/clips/b.npz") + small("x.mp4"));
   EXPECT_EQ(ran.code, 2) << ran.text;

@@ -153,6 +153,7 @@ TEST_F(SpectralCommands, FilterWritesTheMotion) {
   refused("filter " + clip("a") + " --keep band --from-hz 3 --to-hz 2 --out " + at("x.npz"), 2,
           "from_hz");
   refused("filter " + clip("a") + " --out " + clip("a"), 2, "replace");
+  refused("filter " + clip("a") + " --out " + at("x") + " --json " + clip("a"), 2, "replace");
   EXPECT_FALSE(fs::exists(at("x.npz")));
 }
 

@@ -30,6 +30,11 @@ TEST(BodyMesh, IsClosed) {
   }
 }
 
+TEST(BodyMesh, IsAsFineAsTheDocumentsSay) {  // docs/convert.md
+  EXPECT_EQ(body_mesh().vertices(), 3742);
+  EXPECT_EQ(body_mesh().triangles.size(), 3u * 7424);
+}
+
 TEST(BodyMesh, IsTurnedOutward) {
   const BodyMesh& mesh = body_mesh();
   double volume = 0;

@@ -51,7 +51,8 @@ TEST(Clip, RefusesWrongShapesAndRates) {
   Clip clip = good;
   clip.trans.conservativeResize(11, 3);
   EXPECT_NE(refusal(clip).find("12"), std::string::npos);
-  for (double fps : {0.0, -1.0, 10001.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+  for (double fps :
+       {0.0, -1.0, 1e-300, 10001.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     clip = good;
     clip.fps = fps;
     EXPECT_NE(refusal(clip).find("frame rate"), std::string::npos) << fps;

@@ -40,6 +40,8 @@ TEST(Dataset, ComesBackAsItWasWritten) {
   EXPECT_EQ(read.entries[1].labels.at("style"), "happy");
   EXPECT_EQ(read.entries[1].frames, 7);
   EXPECT_FALSE(read.procedural);
+  for (const DatasetEntry& entry : read.entries) EXPECT_EQ(read.find(entry.name), &entry);
+  for (const char* unknown : {"", "a", "dance", "walk2"}) EXPECT_EQ(read.find(unknown), nullptr);
   EXPECT_EQ(read.split("train").size(), 3u);
   EXPECT_EQ(read.split("test").size(), 0u);
   EXPECT_EQ(read.label_names(), std::vector<std::string>{"style"});

@@ -25,7 +25,7 @@ namespace {
 Clip dance(Eigen::Index frames = 20, double fps = 20) {
   Clip clip = random_clip(3, frames, fps, "dance");
   clip.poses.leftCols<3>() *= 0.2;  // upright
-  align_floor(clip, kSoleBelowFoot);
+  stand_on_ground(clip);
   return clip;
 }
 
@@ -193,7 +193,7 @@ TEST(Ground, ShadowLiesUnderTheFigure) {
   Clip clip = dance(1);
   clip.poses.setZero();
   clip.trans.setZero();
-  align_floor(clip, kSoleBelowFoot);
+  stand_on_ground(clip);
   MeshPoints positions, normals;
   pose_body(clip, 0, positions, normals);
   const Shadow shadow(positions, body_mesh().triangles);
@@ -257,18 +257,43 @@ TEST_F(Render, SaysWhatFfmpegSays) {
   pretend("echo 'Unknown encoder libx264' >&2\nexit 1\n");
   EXPECT_TRUE(contains(said(), "Unknown encoder libx264"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x.mp4"));
+  pretend("exit 3\n");
+  EXPECT_TRUE(contains(said(), "exit code 3"));
+  pretend("kill -9 $$\n");
+  EXPECT_TRUE(contains(said(), "signal 9"));
   ::setenv("MOCAPLM_FFMPEG", "/nowhere/ffmpeg", 1);
   EXPECT_TRUE(contains(said(), "cannot be run"));
 }
 
 TEST_F(Render, RefusesOtherEndingsAndMissesFfmpegByName) {
-  EXPECT_TRUE(contains(refusal<UsageError>([] { check_render_path("x.avi"); }), ".mp4"));
+  EXPECT_TRUE(contains(refusal<UsageError>([] { check_render("x.avi", {}); }), ".mp4"));
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", folder_.path().c_str(), 1);
-  const std::string missing = refusal<UsageError>([] { check_render_path("x.gif"); });
-  check_render_path("x.png");
+  const std::string missing = refusal<UsageError>([] { check_render("x.gif", {}); });
+  check_render("x.png", {});
   ::setenv("PATH", path.c_str(), 1);
   EXPECT_TRUE(contains(missing, "apt-get install ffmpeg")) << missing;
+}
+
+TEST_F(Render, RefusesSettingsThatAFileCannotHave) {
+  pretend("exit 0\n");
+  RenderConfig config = small();
+  config.fps = 60;
+  check_render("x.mp4", config);
+  EXPECT_TRUE(contains(refusal<UsageError>([&] { check_render("x.gif", config); }), "50 pictures"));
+  config.poses = 3;
+  config.follow = true;
+  EXPECT_TRUE(contains(refusal<UsageError>([&] { check_render("x.png", config); }), "--follow"));
+}
+
+// More poses than a clip has frames: each is drawn once.
+TEST_F(Render, DrawsNoPoseTwice) {
+  RenderConfig config = small();
+  config.poses = 2;
+  render_clip(dance(2), folder_ / "two.png", config, 1);
+  config.poses = 24;
+  render_clip(dance(2), folder_ / "many.png", config, 1);
+  EXPECT_EQ(read_file(folder_ / "two.png"), read_file(folder_ / "many.png"));
 }
 
 // Decoded again, the films show the pictures that were drawn.
@@ -284,7 +309,7 @@ TEST_F(Render, FilmsShowTheDance) {
     EXPECT_EQ(render_clip(clip, folder_ / name, config, 2), 10) << name;
     const std::string raw = (folder_ / "raw").string();
     const Ran ran = run_shell(ffmpeg + " -y -loglevel error -i '" + (folder_ / name).string() +
-                                "' -fps_mode passthrough -f rawvideo -pix_fmt rgb24 '" + raw + "'");
+                              "' -fps_mode passthrough -f rawvideo -pix_fmt rgb24 '" + raw + "'");
     ASSERT_EQ(ran.code, 0) << ran.text;
     const std::string bytes = read_file(raw);
     const int width = std::string(name) == "dance.mp4" ? 162 : 161;

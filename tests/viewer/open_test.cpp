@@ -64,6 +64,15 @@ TEST_F(OpenTest, OverridesTheRate) {
   EXPECT_EQ(open_page(options).motions[0].clip.fps, 60);
 }
 
+TEST_F(OpenTest, ShowsAPartOfAMotion) {
+  const Page page = open_page(of({file("still.npz") + ":0.04-0.1"}));
+  ASSERT_EQ(page.motions.size(), 1u);
+  EXPECT_EQ(page.motions[0].title, "still_0.04-0.1");
+  EXPECT_EQ(page.motions[0].clip.frames(), 2);
+  EXPECT_NE(message<UsageError>(of({file("still.npz") + ":1-2"})).find("begins at 1"),
+            std::string::npos);
+}
+
 TEST_F(OpenTest, NamesWhatIsWrong) {
   EXPECT_THROW(open_page(of({})), UsageError);
   EXPECT_NE(message<DataError>(of({file("absent.npz")})).find("absent.npz"), std::string::npos);
@@ -118,6 +127,10 @@ TEST_F(OpenTest, ShowsClipsOfADatasetAndSaysThatTheyAreProcedural) {
   ASSERT_EQ(page.motions.size(), 2u);
   EXPECT_EQ(page.motions[0].title, "clip8");
   EXPECT_EQ(page.motions[0].clip.labels.at("genre"), "waack");
+  options.clips = {"clip4:0.1-"};
+  page = open_page(options);
+  EXPECT_EQ(page.motions[0].clip.frames(), 2);
+  EXPECT_EQ(page.motions[0].caption, "train clip of " + folder.string());
   options.clips = {"clip88"};
   EXPECT_NE(message<UsageError>(options).find("did you mean \"clip8\""), std::string::npos);
 }

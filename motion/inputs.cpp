@@ -1,11 +1,9 @@
-#include "app/motion_inputs.h"
+#include "motion/inputs.h"
 
-#include <algorithm>
 #include <set>
 
 #include "common/error.h"
 #include "common/text.h"
-#include "spectral/clip_range.h"
 
 namespace fs = std::filesystem;
 
@@ -14,10 +12,8 @@ namespace mocaplm {
 namespace {
 
 const DatasetEntry* find_entry(const Dataset& dataset, const std::string& text) {
-  for (const std::string& name : {text, parse_clip_range(text).clip})
-    for (const DatasetEntry& entry : dataset.entries)
-      if (entry.name == name) return &entry;
-  return nullptr;
+  const DatasetEntry* whole = dataset.find(text);
+  return whole != nullptr ? whole : dataset.find(parse_clip_range(text).clip);
 }
 
 // "walk" and what follows it in "walk:1.5-3.6".
@@ -40,6 +36,9 @@ std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
   for (const std::string& input : inputs) {
     if (!fs::is_directory(input)) {
       const std::string file = parse_clip_range(input).clip;
+      std::error_code unknown;  // other troubles are those of reading
+      if (fs::status(file, unknown).type() == fs::file_type::not_found)
+        throw DataError(in_file(file), "no such file");
       found.push_back({input, part_name(fs::path(file).stem().string(), file, input), nullptr});
       continue;
     }
@@ -62,8 +61,14 @@ std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
   return found;
 }
 
-Clip read_motion(const MotionInput& input, const ReadOptions& options) {
-  return read_clip_range(input.text, input.dataset.get(), options).clip;
+std::vector<fs::path> files_of(const std::vector<MotionInput>& inputs) {
+  std::vector<fs::path> files;
+  for (const MotionInput& input : inputs) files.push_back(input.file());
+  return files;
+}
+
+RangedClip read_motion(const MotionInput& input, const ReadOptions& options) {
+  return read_clip_range(input.text, input.dataset.get(), options);
 }
 
 }  // namespace mocaplm

@@ -1,4 +1,4 @@
-#include "spectral/clip_range.h"
+#include "motion/clip_range.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,14 +16,9 @@ double seconds_of(const std::string& digits, const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(digits.c_str(), &end);
   if (digits.empty() || *end != 0 || !std::isfinite(value))
-    throw UsageError("\"" + text + "\": \"" + digits + "\" is no number of seconds");
+    throw UsageError("\"" + text + "\": \"" + digits +
+                     "\" is no number of seconds; a part is FROM-TO, or FROM- up to the end");
   return value;
-}
-
-const DatasetEntry* entry_named(const Dataset& dataset, const std::string& name) {
-  for (const DatasetEntry& entry : dataset.entries)
-    if (entry.name == name) return &entry;
-  return nullptr;
 }
 
 }  // namespace
@@ -50,10 +45,10 @@ RangedClip read_clip_range(const std::string& text, const Dataset* dataset,
                            const ReadOptions& options) {
   RangedClip out;
   ClipRange range{text};
-  if (dataset != nullptr) out.entry = entry_named(*dataset, text);
+  if (dataset != nullptr) out.entry = dataset->find(text);
   if (out.entry == nullptr) {
     range = parse_clip_range(text);
-    if (dataset != nullptr) out.entry = entry_named(*dataset, range.clip);
+    if (dataset != nullptr) out.entry = dataset->find(range.clip);
   }
   if (out.entry != nullptr) {
     out.clip = load_clip(*dataset, *out.entry);

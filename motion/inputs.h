@@ -1,12 +1,12 @@
-// What `convert` and `render` are given: motion files, parts of them, clips of dataset folders.
+// What commands are given to read: motion files, parts of them, clips of dataset folders.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "motion/dataset.h"
-#include "motion/formats/formats.h"
+#include "motion/clip_range.h"
 
 namespace mocaplm {
 
@@ -21,11 +21,14 @@ struct MotionInput {
 
 // One for each file, and for each clip of a dataset folder, or for those of `clips` (names, with
 // :from-to for a part) that are in it. Throws UsageError for names that no folder has, DataError
-// for folders that are no dataset.
+// for files that are not there and for folders that are no dataset.
 std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
                                       const std::vector<std::string>& clips);
 
-// Throws as read_clip_range does.
-Clip read_motion(const MotionInput& input, const ReadOptions& options);
+// All their files.
+std::vector<std::filesystem::path> files_of(const std::vector<MotionInput>& inputs);
+
+// Throws as read_clip_range does. The entry lives as long as the input's dataset.
+RangedClip read_motion(const MotionInput& input, const ReadOptions& options);
 
 }  // namespace mocaplm
