@@ -14,6 +14,7 @@
 #include "common/progress.h"
 #include "common/text.h"
 #include "emulator/motions.h"
+#include "motion/chosen_clips.h"
 #include "motion/formats/formats.h"
 
 namespace mocaplm {
@@ -34,7 +35,7 @@ struct FitCommand {
 
 std::vector<Clip> read_class(const FitCommand& command, const Dataset& dataset) {
   const auto entries =
-      entries_where(dataset, command.where, command.split == "all" ? "" : command.split);
+      chosen_entries(dataset, command.split == "all" ? "" : command.split, command.where);
   if (entries.size() < kFewestMotions)
     throw DataError(
         in_file(command.dataset),
@@ -196,7 +197,7 @@ void add_emulate_fit(CLI::App& emulate) {
   CLI::App* fit = emulate.add_subcommand("fit", "fit a scheme to the clips of one class");
   auto command = std::make_shared<FitCommand>();
   fit->add_option("DATASET", command->dataset, "a dataset's folder")->required();
-  fit->add_option("--where", command->where, "the class, label=value; several: all of them");
+  fit->add_option("--where", command->where, "the class, label=value (repeatable: clips with all)");
   fit->add_option("--split", command->split, "clips of this split")
       ->check(one_of({"train", "validation", "test", "all"}))
       ->capture_default_str();

@@ -111,7 +111,7 @@ TEST_F(Gesture, ClipsGiveAJointsPath) {
   EXPECT_EQ(load_json(folder_ / "m.json")["phases"][0]["demonstrations"].size(), 6u);
   refused("fit " + at("data") + " --where content=wav --out " + at("m.json"), 2, "wave");
   refused("fit " + at("data") + " --where contnt=wave --out " + at("m.json"), 2, "content");
-  refused("fit " + at("data") + " --where content --out " + at("m.json"), 2, "LABEL=VALUE");
+  refused("fit " + at("data") + " --where content --out " + at("m.json"), 2, "label=value");
   refused("fit " + at("data") + " --joint left_wrst --out " + at("m.json"), 2, "left_wrist");
   refused("fit " + at("data") + " --coordinates w --out " + at("m.json"), 2, "\"w\"");
   refused("fit " + at("data") + " --conditions ball --out " + at("m.json"), 2, "\"ball\"");

@@ -85,7 +85,8 @@ TEST_F(LongDances, RefusesWhatCannotBe) {
   EXPECT_NE(refusal([&] { long_tables(options_); }).find("shorter --seed-seconds"),
             std::string::npos);
   options_.where = {"style=none"};
-  EXPECT_NE(refusal([&] { long_tables(options_); }).find("style=none"), std::string::npos);
+  EXPECT_NE(refusal<UsageError>([&] { long_tables(options_); }).find("style=none"),
+            std::string::npos);
 }
 
 }  // namespace
