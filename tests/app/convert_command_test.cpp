@@ -5,6 +5,7 @@
 #include "common/csv.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "motion/edit.h"
 #include "motion/floor.h"
 #include "motion/formats/formats.h"
@@ -14,7 +15,6 @@
 #include "support/glb_file.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

@@ -4,7 +4,7 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
-#include "temporary_folder.h"
+#include "common/temporary_folder.h"
 
 namespace fs = std::filesystem;
 

@@ -4,9 +4,9 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "motion/formats/formats.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

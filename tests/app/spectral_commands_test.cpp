@@ -6,12 +6,12 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "motion/formats/npy.h"
 #include "motion/formats/npz.h"
 #include "motion/formats/zip_file.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

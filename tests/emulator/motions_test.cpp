@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/skeleton.h"
 #include "motion/synth.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 

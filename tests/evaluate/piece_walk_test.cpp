@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/temporary_folder.h"
 #include "evaluate/evaluate.h"
 #include "evaluate/likelihood.h"
 #include "generate/generator.h"
@@ -14,7 +15,6 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 #include "support/small_models.h"
-#include "temporary_folder.h"
 #include "train/setup.h"
 
 namespace fs = std::filesystem;

@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "common/temporary_folder.h"
 #include "model/directory.h"
 #include "model/transformer/weights.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 #include "support/refusal.h"
 #include "support/small_models.h"
-#include "temporary_folder.h"
 #include "tokenizer/random_clips.h"
 #include "tokenizer/tokenizer.h"
 

@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/floor.h"
 #include "motion/resample.h"
 #include "motion/skeleton.h"
@@ -16,7 +17,6 @@
 #include "render/stage.h"
 #include "support/refusal.h"
 #include "support/run_program.h"
-#include "temporary_folder.h"
 #include "tokenizer/random_clips.h"
 
 namespace mocaplm {
@@ -284,7 +284,7 @@ TEST_F(Render, FilmsShowTheDance) {
     EXPECT_EQ(render_clip(clip, folder_ / name, config, 2), 10) << name;
     const std::string raw = (folder_ / "raw").string();
     const Ran ran = run_shell(ffmpeg + " -y -loglevel error -i '" + (folder_ / name).string() +
-                                "' -fps_mode passthrough -f rawvideo -pix_fmt rgb24 '" + raw + "'");
+                              "' -fps_mode passthrough -f rawvideo -pix_fmt rgb24 '" + raw + "'");
     ASSERT_EQ(ran.code, 0) << ran.text;
     const std::string bytes = read_file(raw);
     const int width = std::string(name) == "dance.mp4" ? 162 : 161;

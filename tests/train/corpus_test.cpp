@@ -7,11 +7,11 @@
 #include <map>
 #include <set>
 
+#include "common/temporary_folder.h"
 #include "model/directory.h"
 #include "motion/mirror.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 
