@@ -5,6 +5,7 @@
 #include "motion/chosen_clips.h"
 #include "train/balance.h"
 #include "train/learn_pieces.h"
+#include "train/stream_shape.h"
 
 namespace fs = std::filesystem;
 
@@ -27,15 +28,6 @@ std::vector<std::string> chosen_conditions(const TrainOptions& options, const Da
   if (chosen.empty()) return options.from ? dataset.label_names() : chosen;
   for (const std::string& label : chosen) check_label(dataset, label, "conditions");
   return chosen;
-}
-
-StreamShape stream_shape(const Tokenizer& tokenizer, const PieceVocabulary& pieces) {
-  return {tokenizer.vocabulary() + pieces.count(),
-          Tokenizer::kFirstBin,
-          tokenizer.bins(),
-          tokenizer.channels(),
-          pieces.count(),
-          pieces.longest()};
 }
 
 Tokenizer stored_tokenizer(const StoredModel& stored, const std::string& place) {

@@ -16,6 +16,7 @@
 #include "support/small_dataset.h"
 #include "support/small_models.h"
 #include "train/setup.h"
+#include "train/stream_shape.h"
 
 namespace fs = std::filesystem;
 
@@ -199,7 +200,7 @@ TEST(ScorePieceClips, IsTheSumOfThePiecesOfEachFrame) {
       random_piece_bytes(tokenizer, {tokenizer.encode(random_clip(1, 100)).ids}, 100);
   const PieceVocabulary pieces(bytes, tokenizer, "pieces");
   ModelDescription d = small_description();
-  d.shape = piece_shape(tokenizer, pieces);
+  d.shape = stream_shape(tokenizer, pieces);
   d.pieces_fingerprint = pieces.fingerprint();
   const auto model = make_language_model(d);
   import_weights(*model, random_weights(d, 11), "made up");
