@@ -13,7 +13,6 @@
 #include "motion/mirror.h"
 #include "motion/skeleton.h"
 #include "support/glb_file.h"
-#include "support/refusal.h"
 #include "support/small_dataset.h"
 
 namespace fs = std::filesystem;
@@ -39,9 +38,7 @@ class Convert : public testing::Test {
     ASSERT_EQ(ran.code, 0) << arguments << "\n" << ran.text;
   }
   static void refused(const std::string& arguments, int code, const std::string& part) {
-    const Ran ran = run_mocaplm("convert " + arguments);
-    EXPECT_EQ(ran.code, code) << arguments << "\n" << ran.text;
-    EXPECT_TRUE(contains(ran.text, part)) << ran.text;
+    expect_run("convert " + arguments, code, part);
   }
 
   static double way_apart(const Clip& a, const Clip& b) {

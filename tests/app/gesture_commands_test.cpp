@@ -27,9 +27,7 @@ class Gesture : public ::testing::Test {
     return ran.text;
   }
   void refused(const std::string& arguments, int code, const std::string& part) const {
-    const Ran ran = run_mocaplm("gesture " + arguments);
-    EXPECT_EQ(ran.code, code) << arguments << "\n" << ran.text;
-    EXPECT_PRED2(contains, ran.text, part) << arguments;
+    expect_run("gesture " + arguments, code, part);
   }
   void demonstrate() const {
     run("juggle --demonstrations 25 --cycles 5 --write-demonstrations " + at("shown.csv") +
