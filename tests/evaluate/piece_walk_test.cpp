@@ -10,8 +10,8 @@
 #include "evaluate/likelihood.h"
 #include "generate/generator.h"
 #include "generate/piece_decoder.h"
-#include "model/transformer/weights.h"
 #include "support/piece_models.h"
+#include "support/random_model.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 #include "support/small_models.h"
@@ -202,9 +202,7 @@ TEST(ScorePieceClips, IsTheSumOfThePiecesOfEachFrame) {
   ModelDescription d = small_description();
   d.shape = stream_shape(tokenizer, pieces);
   d.pieces_fingerprint = pieces.fingerprint();
-  const auto model = make_language_model(d);
-  import_weights(*model, random_weights(d, 11), "made up");
-  model->eval();
+  const auto model = random_model(d, 11);
   std::vector<ScoredClip> clips;
   for (const Eigen::Index frames : {1, 3, 5, 8, 30}) {
     ScoredClip clip;

@@ -6,22 +6,16 @@
 
 #include <cmath>
 
-#include "model/transformer/weights.h"
 #include "support/plain_transformer.h"
+#include "support/random_model.h"
 #include "support/small_models.h"
+#include "support/tensors.h"
 
 namespace mocaplm {
 
 namespace {
 
 using Ids = std::vector<std::int32_t>;
-
-std::shared_ptr<LanguageModel> random_model(const ModelDescription& d, std::uint64_t seed) {
-  auto model = make_language_model(d);
-  import_weights(*model, random_weights(d, seed), "made up");
-  model->eval();
-  return model;
-}
 
 std::vector<ModelDescription> variants() {
   ModelDescription forgetful = small_frames_description();
@@ -55,15 +49,6 @@ Batch random_batch(const ModelDescription& d, std::uint64_t seed) {
     targets.back()[2] = -1;
   }
   return stack(inputs, targets);
-}
-
-at::Tensor logits_of(LanguageModel& model, const Batch& batch) {
-  const at::NoGradGuard no_grad;
-  return model.logits(model.hidden(batch), batch);
-}
-
-double largest_difference(const at::Tensor& a, const at::Tensor& b) {
-  return (a.to(at::kDouble) - b.to(at::kDouble)).abs().max().item<double>();
 }
 
 // The definition once more, for one window: vectors of doubles, nothing batched.

@@ -9,18 +9,13 @@
 #include "model/masked_input.h"
 #include "model/transformer/weights.h"
 #include "support/plain_transformer.h"
+#include "support/random_model.h"
 #include "support/small_models.h"
+#include "support/tensors.h"
 
 namespace mocaplm {
 
 namespace {
-
-std::shared_ptr<Transformer> random_model(const ModelDescription& d, std::uint64_t seed) {
-  auto model = std::make_shared<Transformer>(d);
-  import_weights(*model, random_weights(d, seed), "made up");
-  model->eval();
-  return model;
-}
 
 std::vector<std::int32_t> full_stream(const ModelDescription& d, Random& random) {
   return random_stream(d.shape, d.config.block_size / d.shape.tokens_per_frame(), random);
@@ -43,15 +38,6 @@ Batch random_batch(const ModelDescription& d, std::int64_t size, std::uint64_t s
     targets.back()[3] = -1;
   }
   return stack(inputs, targets);
-}
-
-at::Tensor logits_of(Transformer& model, const Batch& batch) {
-  const at::NoGradGuard no_grad;
-  return model.logits(model.hidden(batch), batch);
-}
-
-double largest_difference(const at::Tensor& a, const at::Tensor& b) {
-  return (a.to(at::kDouble) - b.to(at::kDouble)).abs().max().item<double>();
 }
 
 // The model written down a second time.
