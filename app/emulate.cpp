@@ -207,10 +207,8 @@ void add_emulate_fit(CLI::App& emulate) {
                   "X/SpatialPCA/VAR; or PWI")
       ->capture_default_str();
   fit->add_option("--out", command->out, "the model, a .json file")->required();
-  fit->add_option("--json", command->json, "also write the printed table as JSON");
-  fit->add_option("--threads", command->threads, "threads, 0 for all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_json_option(*fit, command->json);
+  add_threads_option(*fit, command->threads);
   bind_options(*fit->add_option_group("landmarks"), command->landmarks);
   bind_options(*fit->add_option_group("alignment"), command->align);
   bind_options(*fit->add_option_group("scheme"), command->options);
@@ -241,7 +239,7 @@ void add_emulate_sample(CLI::App& emulate) {
                    "even")
       ->check(one_of({"clips", "mean"}))
       ->capture_default_str();
-  sample->add_option("--json", command->json, "also write the printed table as JSON");
+  add_json_option(*sample, command->json);
   sample->callback([command] { run_sample(*command); });
 }
 
