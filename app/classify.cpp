@@ -67,7 +67,7 @@ void add_classify(CLI::App& app) {
   classify->add_option("--split", train.split, "clips to test on")
       ->check(one_of({"validation", "test"}))
       ->capture_default_str();
-  classify->add_option("--json", command->json, "also write the tables as JSON");
+  add_json_option(*classify, command->json);
   classify->add_option("--page", command->page,
                        "also write a page with plots and the clips that it gets wrong, .html");
   add_machine_options(*classify, train.device, train.threads);

@@ -45,10 +45,8 @@ void add_convert(CLI::App& app) {
       ->delimiter(',')
       ->allow_extra_args(false);  // what follows is a motion again
   add_read_options(*convert, job.read);
-  convert->add_option("--threads", job.threads, "files at a time; 0: one for each core")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  convert->add_option("--json", command->json, "also write the table to this file");
+  add_threads_option(*convert, job.threads, "files at a time; 0: one for each core");
+  add_json_option(*convert, command->json);
   convert->callback([command] { command->run(); });
 }
 

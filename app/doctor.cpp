@@ -146,7 +146,7 @@ void add_doctor(CLI::App& app) {
       ->check(BindOptions::finite())
       ->capture_default_str();
   add_machine_options(*doctor, command->device, command->threads);
-  doctor->add_option("--json", command->json, "also write the tables as JSON");
+  add_json_option(*doctor, command->json);
   doctor->callback([command] { run_doctor(*command); });
 }
 

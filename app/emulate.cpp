@@ -14,6 +14,7 @@
 #include "common/progress.h"
 #include "common/text.h"
 #include "emulator/motions.h"
+#include "motion/chosen_clips.h"
 #include "motion/formats/formats.h"
 
 namespace mocaplm {
@@ -34,7 +35,7 @@ struct FitCommand {
 
 std::vector<Clip> read_class(const FitCommand& command, const Dataset& dataset) {
   const auto entries =
-      entries_where(dataset, command.where, command.split == "all" ? "" : command.split);
+      chosen_entries(dataset, command.split == "all" ? "" : command.split, command.where);
   if (entries.size() < kFewestMotions)
     throw DataError(
         in_file(command.dataset),
@@ -196,7 +197,7 @@ void add_emulate_fit(CLI::App& emulate) {
   CLI::App* fit = emulate.add_subcommand("fit", "fit a scheme to the clips of one class");
   auto command = std::make_shared<FitCommand>();
   fit->add_option("DATASET", command->dataset, "a dataset's folder")->required();
-  fit->add_option("--where", command->where, "the class, label=value; several: all of them");
+  fit->add_option("--where", command->where, "the class, label=value (repeatable: clips with all)");
   fit->add_option("--split", command->split, "clips of this split")
       ->check(one_of({"train", "validation", "test", "all"}))
       ->capture_default_str();
@@ -206,10 +207,8 @@ void add_emulate_fit(CLI::App& emulate) {
                   "X/SpatialPCA/VAR; or PWI")
       ->capture_default_str();
   fit->add_option("--out", command->out, "the model, a .json file")->required();
-  fit->add_option("--json", command->json, "also write the printed table as JSON");
-  fit->add_option("--threads", command->threads, "threads, 0 for all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_json_option(*fit, command->json);
+  add_threads_option(*fit, command->threads);
   bind_options(*fit->add_option_group("landmarks"), command->landmarks);
   bind_options(*fit->add_option_group("alignment"), command->align);
   bind_options(*fit->add_option_group("scheme"), command->options);
@@ -240,7 +239,7 @@ void add_emulate_sample(CLI::App& emulate) {
                    "even")
       ->check(one_of({"clips", "mean"}))
       ->capture_default_str();
-  sample->add_option("--json", command->json, "also write the printed table as JSON");
+  add_json_option(*sample, command->json);
   sample->callback([command] { run_sample(*command); });
 }
 

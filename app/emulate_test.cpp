@@ -40,7 +40,7 @@ void add_emulate_test(CLI::App& emulate) {
   bind_options(*command->add_option_group("schemes", "of all schemes that are tested"),
                options.options);
   command->add_option("--out", state->out, "also write a report with plots into this folder");
-  command->add_option("--json", state->json, "also write the tables as JSON");
+  add_json_option(*command, state->json);
   command->callback([state] { state->run(); });
 }
 

@@ -177,7 +177,7 @@ void add_evaluate(CLI::App& app) {
   evaluate->add_option("--where", options.where, "only clips with label=value (repeatable)");
   evaluate->add_flag("--conditions,!--no-conditions", options.conditions,
                      "tell the model the clips' labels, if it knows conditions");
-  evaluate->add_option("--json", command->json, "also write the tables as JSON");
+  add_json_option(*evaluate, command->json);
   add_bits_options(*evaluate, options);
   add_generated_options(*evaluate, *command);
   evaluate->callback([command] { run_evaluate(*command); });

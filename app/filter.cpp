@@ -61,7 +61,7 @@ void add_filter(CLI::App& app) {
   filter->add_option("--plot", command->files.plot, "DCT coefficients of both as an .svg, too");
   filter->add_option("--spectrogram", command->files.spectrogram,
                      "spectrograms of both as an .svg, too");
-  filter->add_option("--json", command->files.json, "write the table as JSON, too");
+  add_json_option(*filter, command->files.json);
   bind_options(*filter, command->config);
   filter->callback([filter, command] { run(*filter, *command); });
 }

@@ -146,10 +146,8 @@ void add_generate(CLI::App& app) {
   generate->add_option("--stream", command->stream,
                        "file for the frames, a line of JSON each as soon as it is there; - for the "
                        "terminal or a pipe");
-  generate->add_option("--threads", command->threads, "threads, 0 for all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  generate->add_option("--json", command->json, "also write the printed table as JSON");
+  add_threads_option(*generate, command->threads);
+  add_json_option(*generate, command->json);
   bind_options(*generate->add_option_group("sampling"), command->request.sampling);
   generate->callback([command] { run_generate(*command); });
 }

@@ -98,7 +98,7 @@ std::shared_ptr<FitCommand> add_input(CLI::App& app) {
   auto command = std::make_shared<FitCommand>();
   command->input.add_options(app);
   bind_options(app, command->config);
-  app.add_option("--json", command->json, "also write the tables as JSON");
+  add_json_option(app, command->json);
   app.add_option("--page", command->page, "also write a page with figures, a .html file");
   return command;
 }

@@ -4,8 +4,8 @@
 
 #include "app/options.h"
 #include "common/error.h"
-#include "emulator/motions.h"
-#include "motion/dataset.h"
+#include "common/text.h"
+#include "motion/chosen_clips.h"
 #include "motion/formats/formats.h"
 #include "motion/joint_path.h"
 #include "motion/skeleton.h"
@@ -47,7 +47,7 @@ void GestureInput::add_options(CLI::App& app) {
                  "of clips: from the pelvis and the first frame's heading, or in the world")
       ->check(one_of({"body", "world"}))
       ->capture_default_str();
-  app.add_option("--where", where, "of a dataset: only clips with LABEL=VALUE, comma separated")
+  app.add_option("--where", where, "of a dataset: only clips with label=value, comma separated")
       ->delimiter(',');
 }
 
@@ -83,7 +83,7 @@ Recordings GestureInput::read(const GestureConfig& config) const {
   for (const std::string& input : inputs) {
     if (is_dataset(input)) {
       const Dataset dataset = load_dataset(input);
-      for (const DatasetEntry& entry : entries_where(dataset, where, ""))
+      for (const DatasetEntry& entry : chosen_entries(dataset, "", where))
         add(load_clip(dataset, entry), entry.name);
     } else {
       if (!where.empty()) throw UsageError("--where is for dataset folders, not " + input);

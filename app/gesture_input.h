@@ -14,7 +14,7 @@ struct GestureInput {
   std::vector<std::string> inputs;  // CSV files, or datasets and motion files
   std::string joint = "right_wrist";
   std::string frame = "body";
-  std::vector<std::string> where;  // LABEL=VALUE, of a dataset's clips
+  std::vector<std::string> where;  // label=value, of a dataset's clips
 
   void add_options(CLI::App& app);
   // CSV files by their columns; clips as the path x, y, z of the joint, each a recording. Throws

@@ -97,7 +97,7 @@ void add_gesture_juggle(CLI::App& gesture) {
   juggle->add_option("--write-demonstrations", command->demonstrations,
                      "the made-up demonstrations, a .csv file for gesture fit");
   juggle->add_option("--out", command->out, "the fitted model, a .json file");
-  juggle->add_option("--json", command->json, "also write the tables as JSON");
+  add_json_option(*juggle, command->json);
   juggle->add_option("--page", command->page, "also write a page with figures, a .html file");
   bind_options(*juggle, command->config);
   juggle->callback([command] { run_juggle(*command); });

@@ -227,7 +227,7 @@ void add_gesture_play(CLI::App& gesture) {
   play->add_option("--seed", command->seed, "without --phase: of ends and times")
       ->capture_default_str();
   play->add_option("--out", command->out, "the samples, a .csv file");
-  play->add_option("--json", command->json, "also write the tables as JSON");
+  add_json_option(*play, command->json);
   play->add_option("--page", command->page, "also write a page with figures, a .html file");
   play->callback([play, command] { run_play(*play, *command); });
 }

@@ -69,10 +69,8 @@ void add_import(CLI::App& app) {
       ->excludes(append);
   command->add_flag("--strict", state->job.strict,
                     "stop at the first broken file and write nothing");
-  command->add_option("--threads", state->job.threads, "files read at a time; 0: one for each core")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  command->add_option("--json", state->json, "also write the report to this file");
+  add_threads_option(*command, state->job.threads, "files read at a time; 0: one for each core");
+  add_json_option(*command, state->json);
   command->callback([state] { state->run(); });
 }
 

@@ -114,7 +114,7 @@ void add_infill(CLI::App& app) {
   infill->add_option("--precision", options.precision, "type of the matrix products")
       ->check(one_of({"auto", "bf16", "f32"}))
       ->capture_default_str();
-  infill->add_option("--json", command->json, "also write the printed table as JSON");
+  add_json_option(*infill, command->json);
   add_machine_options(*infill, options.device, options.threads);
   bind_options(*infill->add_option_group("filling"), options.fill);
   infill->callback([command] { run(*command); });

@@ -34,7 +34,7 @@ void add_info(CLI::App& app) {
   const auto state = std::make_shared<InfoCommand>();
   command->add_option("PATH", state->paths, "any file or folder that this program reads or writes")
       ->required();
-  command->add_option("--json", state->json, "also write the tables to this file");
+  add_json_option(*command, state->json);
   command->callback([state] { state->run(); });
 }
 

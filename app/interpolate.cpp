@@ -85,7 +85,7 @@ void add_interpolate(CLI::App& app) {
                            "DCT coefficients of all three as an .svg, too");
   command_line->add_option("--spectrogram", command->files.spectrogram,
                            "spectrograms of all three as an .svg, too");
-  command_line->add_option("--json", command->files.json, "write the table as JSON, too");
+  add_json_option(*command_line, command->files.json);
   bind_options(*command_line, command->config);
   InterpolateEvaluation& evaluation = command->evaluation;
   command_line->add_option("--evaluate", evaluation.label,

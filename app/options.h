@@ -104,8 +104,18 @@ void refuse_options_except(const CLI::App& app, const std::vector<std::string>& 
 void refuse_options(const CLI::App& app, const std::vector<std::string>& options,
                     const std::string& why);
 
+// --threads N. `help`: of a command whose threads each do a thing of their own.
+template <class Integer>
+void add_threads_option(CLI::App& app, Integer& threads,
+                        const std::string& help = "threads, 0 for all cores") {
+  app.add_option("--threads", threads, help)->check(CLI::Range(0, 1024))->capture_default_str();
+}
+
 // --device cpu|cuda|auto and --threads N.
 void add_machine_options(CLI::App& app, std::string& device, int& threads);
+
+// --json FILE, for the tables that are printed.
+void add_json_option(CLI::App& app, std::string& file);
 
 // Prints the table and, when `json_file` is not empty, writes its JSON there.
 void print_table(const Table& table, const std::string& json_file);

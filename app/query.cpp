@@ -109,10 +109,8 @@ void add_query(CLI::App& app) {
   query->add_option("--show", command->show, "matches on the page")
       ->check(CLI::Range(1, 40))
       ->capture_default_str();
-  query->add_option("--json", command->json, "write the table as JSON, too");
-  query->add_option("--threads", options.threads, "threads, 0 for all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_json_option(*query, command->json);
+  add_threads_option(*query, options.threads);
   bind_options(*query, options.query);
   bind_options(*query, options.config);
   QueryEvaluation& evaluation = command->evaluation;

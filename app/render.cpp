@@ -64,10 +64,8 @@ void add_render(CLI::App& app) {
   render->add_option("--clip", command->dataset_clip, "this clip of the dataset folder")
       ->type_name("NAME");
   add_read_options(*render, command->read);
-  render->add_option("--threads", command->threads, "frames drawn at a time; 0: one for each core")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  render->add_option("--json", command->json, "also write the table to this file");
+  add_threads_option(*render, command->threads, "frames drawn at a time; 0: one for each core");
+  add_json_option(*render, command->json);
   render->callback([command] { command->run(); });
 }
 

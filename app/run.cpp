@@ -100,9 +100,7 @@ void add_machine_options(CLI::App& app, std::string& device, int& threads) {
   app.add_option("--device", device, "where to compute")
       ->check(one_of({"cpu", "cuda", "auto"}))
       ->capture_default_str();
-  app.add_option("--threads", threads, "threads, 0 for all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads_option(app, threads);
 }
 
 void refuse_options_except(const CLI::App& app, const std::vector<std::string>& allowed,
@@ -119,6 +117,10 @@ void refuse_options(const CLI::App& app, const std::vector<std::string>& options
                     const std::string& why) {
   for (const std::string& option : options)
     if (app.get_option(option)->count() > 0) throw UsageError(option + why);
+}
+
+void add_json_option(CLI::App& app, std::string& file) {
+  app.add_option("--json", file, "also write the printed tables as JSON");
 }
 
 void print_table(const Table& table, const std::string& json_file) {

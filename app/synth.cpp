@@ -37,10 +37,8 @@ void add_synth(CLI::App& app) {
   command->add_option("--out", state->out, "folder of the dataset")->required();
   bind_options(*command, state->config);
   command->add_flag("--overwrite", state->overwrite, "replace the dataset that is there");
-  command->add_option("--threads", state->threads, "dances made at a time; 0: one for each core")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  command->add_option("--json", state->json, "also write the table of splits to this file");
+  add_threads_option(*command, state->threads, "dances made at a time; 0: one for each core");
+  add_json_option(*command, state->json);
   command->callback([state] { state->run(); });
 }
 

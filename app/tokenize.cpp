@@ -169,7 +169,7 @@ void add_tokenize(CLI::App& app) {
   tokenize->add_option("--page", command->page,
                        "also write a page with clips beside what their tokens say, or with the "
                        "report, .html");
-  tokenize->add_option("--json", command->json, "write the table as JSON, too");
+  add_json_option(*tokenize, command->json);
   bind_options(*tokenize, options.config);
   bind_options(*tokenize, options.tiles);
   bind_options(*tokenize, options.pieces);

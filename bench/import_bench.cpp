@@ -2,7 +2,6 @@
 // manners. Beside it, over the same text and in the same run, the C library's strtod as a peer for
 // the numbers, and reading the file and counting its lines, which no reader can be faster than.
 #include <benchmark/benchmark.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -13,6 +12,7 @@
 #include <string>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/formats/retarget.h"
 #include "motion/synth.h"
 
@@ -70,19 +70,13 @@ const std::string& text_of(Manner manner) {
 // The file that the text is in, in the page cache; removed at the end.
 class TextFile {
  public:
-  explicit TextFile(const std::string& text)
-      : path_(std::filesystem::temp_directory_path() /
-              ("mocaplm_import_bench_" + std::to_string(::getpid()) + "_" +
-               std::to_string(text.size()) + ".bvh")) {
+  explicit TextFile(const std::string& text) : path_(folder_ / "dance.bvh") {
     write_file(path_, text);
-  }
-  ~TextFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
   }
   const std::filesystem::path& path() const { return path_; }
 
  private:
+  TemporaryFolder folder_;
   std::filesystem::path path_;
 };
 

@@ -8,9 +8,9 @@
 #include <memory>
 #include <string>
 
+#include "common/temporary_folder.h"
 #include "motion/synth.h"
 #include "tests/support/browser.h"
-#include "tests/temporary_folder.h"
 #include "viewer/page.h"
 
 namespace {

@@ -5,7 +5,7 @@
 
 #include "common/error.h"
 #include "common/parallel.h"
-#include "common/text.h"
+#include "motion/chosen_clips.h"
 #include "motion/mirror.h"
 
 namespace mocaplm {
@@ -31,12 +31,8 @@ LabelledClip label_clip(const Clip& clip, const Tokenizer& tokenizer,
 
 std::vector<Task> make_tasks(const Dataset& dataset, const std::vector<std::string>& labels) {
   std::vector<Task> tasks;
-  const std::vector<std::string> there = dataset.label_names();
-  for (const std::string& label : labels)
-    if (std::find(there.begin(), there.end(), label) == there.end())
-      throw UsageError("no clip has the label \"" + label + "\"" +
-                       known_names(label, there, "Labels"));
-  for (const std::string& label : labels.empty() ? there : labels) {
+  for (const std::string& label : labels) check_label(dataset, label, "labels");
+  for (const std::string& label : labels.empty() ? dataset.label_names() : labels) {
     std::set<std::string> values;
     for (const DatasetEntry& entry : dataset.split("train"))
       if (const auto found = entry.labels.find(label); found != entry.labels.end())

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/error.h"
 #include "common/files.h"
 #include "common/parallel.h"
 #include "common/settings.h"
-#include "common/text.h"
 #include "emulator/body.h"
 #include "emulator/reduction.h"
+#include "motion/chosen_clips.h"
 #include "motion/resample.h"
 #include "motion/skeleton.h"
 
@@ -39,39 +40,6 @@ Eigen::Index median_frames(const std::vector<Clip>& clips) {
 }
 
 }  // namespace
-
-std::vector<DatasetEntry> entries_where(const Dataset& dataset,
-                                        const std::vector<std::string>& where,
-                                        const std::string& split) {
-  std::vector<DatasetEntry> chosen = dataset.entries;
-  for (const std::string& text : where) {
-    const auto at = text.find('=');
-    if (at == std::string::npos || at == 0 || at + 1 == text.size())
-      throw UsageError("--where " + text + ": expected LABEL=VALUE");
-    const std::string label = text.substr(0, at), value = text.substr(at + 1);
-    const auto names = dataset.label_names(), values = dataset.label_values(label);
-    if (std::find(names.begin(), names.end(), label) == names.end())
-      throw UsageError("--where " + text + ": the dataset has no label \"" + label + "\"" +
-                       known_names(label, names));
-    if (std::find(values.begin(), values.end(), value) == values.end())
-      throw UsageError("--where " + text + ": no clip has this value" + known_names(value, values));
-    chosen.erase(std::remove_if(chosen.begin(), chosen.end(),
-                                [&](const DatasetEntry& entry) {
-                                  const auto found = entry.labels.find(label);
-                                  return found == entry.labels.end() || found->second != value;
-                                }),
-                 chosen.end());
-  }
-  if (!split.empty())
-    chosen.erase(std::remove_if(chosen.begin(), chosen.end(),
-                                [&](const DatasetEntry& e) { return e.split != split; }),
-                 chosen.end());
-  if (chosen.empty())
-    throw DataError(in_file(dataset.directory.string()),
-                    "no clip is of " + (where.empty() ? "this dataset" : join(where, ", ")) +
-                        (split.empty() ? "" : " and of the split " + split));
-  return chosen;
-}
 
 std::vector<PostureSequence> PreparedMotions::sequences() const {
   std::vector<PostureSequence> all;
@@ -152,10 +120,7 @@ std::vector<Clip> sample_clips(const MotionEmulator& motions, std::size_t count,
     clips.push_back(postures_clip(read_at(sequences[k], times), motions.tree,
                                   turns_at(motions.turns, times), fps,
                                   "emulated-" + std::to_string(k + 1)));
-    for (const std::string& text : motions.where) {
-      const auto at = text.find('=');
-      if (at != std::string::npos) clips.back().labels[text.substr(0, at)] = text.substr(at + 1);
-    }
+    for (const std::string& text : motions.where) clips.back().labels.insert(parse_where(text));
   }
   return clips;
 }
@@ -208,6 +173,11 @@ MotionEmulator load_motion_emulator(const std::filesystem::path& path) {
   MotionEmulator motions;
   motions.data = object.text("data");
   motions.where = object.texts("where");
+  try {
+    for (const std::string& text : motions.where) parse_where(text);
+  } catch (const UsageError& error) {
+    object.fail("where", error.what());
+  }
   motions.procedural = object.boolean("procedural");
   const auto settings = [&](const char* key, auto& config) {
     JsonObject part = object.object(key);

@@ -10,7 +10,7 @@
 #include "emulator/align.h"
 #include "emulator/emulator.h"
 #include "emulator/landmarks.h"
-#include "motion/dataset.h"
+#include "motion/clip.h"
 
 namespace mocaplm {
 
@@ -27,13 +27,6 @@ struct LandmarkOptions {
     v.integer("frames", frames, 0, 100000, "frames of an aligned sequence; 0: the clips' median");
   }
 };
-
-// The entries of a dataset whose labels are as `where` ("content=walk", several: all of them) and
-// whose split is `split` ("": any). Throws UsageError for a label that the dataset does not have,
-// with the nearest that it has, and DataError when no entry is left.
-std::vector<DatasetEntry> entries_where(const Dataset& dataset,
-                                        const std::vector<std::string>& where,
-                                        const std::string& split);
 
 // What was made of clips before a scheme is fitted.
 struct PreparedMotions {

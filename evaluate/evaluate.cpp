@@ -1,20 +1,17 @@
 #include "evaluate/evaluate.h"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "common/error.h"
 #include "common/parallel.h"
 #include "common/progress.h"
 #include "common/text.h"
-#include "evaluate/generated/chosen_clips.h"
 #include "evaluate/likelihood.h"
 #include "evaluate/masked_likelihood.h"
 #include "generate/piece_decoder.h"
 #include "model/transformer/setup.h"
 #include "model/transformer/weights.h"
-#include "motion/dataset.h"
+#include "motion/chosen_clips.h"
 #include "motion/skeleton.h"
 #include "tokenizer/conditions.h"
 
@@ -116,14 +113,6 @@ Fitted fit_baselines(const EvaluateOptions& options, const EncodedSplit& train,
   return fitted;
 }
 
-void check_by(const EvaluateOptions& options, const Dataset& dataset) {
-  if (options.by.empty()) return;
-  const auto names = dataset.label_names();
-  if (std::find(names.begin(), names.end(), options.by) == names.end())
-    throw UsageError("--by: no clip has the label \"" + options.by + "\"" +
-                     known_names(options.by, names, "Labels"));
-}
-
 std::vector<BitCount> score(const EvaluateOptions& options, const StoredModel& stored,
                             const std::string& place, const std::vector<ScoredClip>& clips) {
   constexpr std::int64_t kAtOnce = 16;
@@ -164,7 +153,7 @@ SplitBits split_bits(const EvaluateOptions& options) {
     throw UsageError("--engine: a model of pieces is scored by LibTorch alone");
   const PieceVocabulary pieces = stored_pieces(stored, place);
   const Dataset dataset = load_dataset(options.data);
-  check_by(options, dataset);
+  if (!options.by.empty()) check_label(dataset, options.by, "--by");
   const EncodedSplit train = encode(dataset, options, "train", tokenizer, {});
   const EncodedSplit test =
       encode(dataset, options, options.split, tokenizer, stored.description.conditions, pieces);

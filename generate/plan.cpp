@@ -6,6 +6,7 @@
 #include "common/error.h"
 #include "common/text.h"
 #include "motion/skeleton.h"
+#include "tokenizer/conditions.h"
 
 namespace mocaplm {
 
@@ -103,14 +104,9 @@ std::vector<std::int32_t> condition_prefix(const Labels& labels, const ModelDesc
     if (std::find(conditions.begin(), conditions.end(), name) == conditions.end())
       throw DataError(in_file("--" + name),
                       "the model has no such condition" + known_names(name, conditions, "It has"));
+    tokenizer.label_id(name, value);  // refuses a value that it does not know
   }
-  std::vector<std::int32_t> tokens = {Tokenizer::kStart};
-  for (const std::string& name : conditions) {
-    const auto found = labels.find(name);
-    tokens.push_back(found == labels.end() ? Tokenizer::kMask
-                                           : tokenizer.label_id(name, found->second));
-  }
-  return tokens;
+  return condition_prefix(tokenizer, conditions, labels);
 }
 
 double frozen_share(const std::vector<std::int32_t>& ids, const Tokenizer& tokenizer) {

@@ -6,6 +6,7 @@
 
 #include "common/error.h"
 #include "common/text.h"
+#include "motion/chosen_clips.h"
 
 namespace mocaplm {
 
@@ -29,12 +30,8 @@ struct LabelScore {
 };
 
 void check(const QueryEvaluation& options, const Dataset& dataset) {
-  const std::vector<std::string> known = dataset.label_names();
   if (options.labels.empty()) throw UsageError("--evaluate needs a label");
-  for (const std::string& label : options.labels)
-    if (std::find(known.begin(), known.end(), label) == known.end())
-      throw UsageError("no clip has the label \"" + label + "\"" +
-                       known_names(label, known, "Labels"));
+  for (const std::string& label : options.labels) check_label(dataset, label, "--evaluate");
   for (const std::string& metric : options.metrics) parse_measure(metric);
   for (const std::string& feature : options.features) {
     const std::vector<std::string> all = {"stft", "dct", "pca", "pose"};

@@ -3,9 +3,12 @@
 // tokenizer itself.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tokenizer/tiles.h"
@@ -41,27 +44,16 @@ class AnyTokenizer {
   virtual Json to_json() const = 0;
 };
 
-class FrameWords : public AnyTokenizer {
+// What frames and tiles have a tokenizer of their own for, asked in the same words.
+template <class Own>
+class WordsOf : public AnyTokenizer {
  public:
-  explicit FrameWords(Tokenizer tokenizer) : tokenizer_(std::move(tokenizer)) {}
-  const Tokenizer& tokenizer() const { return tokenizer_; }
+  explicit WordsOf(Own tokenizer) : tokenizer_(std::move(tokenizer)) {}
+  const Own& tokenizer() const { return tokenizer_; }
 
-  const TokenizerConfig& frames() const override { return tokenizer_.config(); }
   const std::vector<int>& joints() const override { return tokenizer_.joints(); }
-  int characters() const override { return tokenizer_.bins(); }
   TokenStream encode(const Clip& clip, EncodeReport* report) const override {
     return tokenizer_.encode(clip, report);
-  }
-  Clip decode(const std::vector<std::int32_t>& ids, std::int64_t, const std::string& name,
-              const Eigen::Vector3d& start) const override {
-    return tokenizer_.decode(ids, name, start);
-  }
-  std::size_t check(const std::vector<std::int32_t>& ids, const std::string& name) const override {
-    tokenizer_.check_frames(ids, name);
-    return ids.size() / static_cast<std::size_t>(tokenizer_.tokens_per_frame());
-  }
-  Eigen::MatrixXd rotations(const Clip& clip) const override {
-    return tokenizer_.rotation_values(clip);
   }
   std::string to_text(const std::vector<std::int32_t>& ids) const override {
     return tokenizer_.to_text(ids);
@@ -74,44 +66,46 @@ class FrameWords : public AnyTokenizer {
   Json to_json() const override { return tokenizer_.to_json(); }
 
  private:
-  Tokenizer tokenizer_;
+  Own tokenizer_;
 };
 
-class TileWords : public AnyTokenizer {
+class FrameWords : public WordsOf<Tokenizer> {
  public:
-  explicit TileWords(TileTokenizer tokenizer) : tokenizer_(std::move(tokenizer)) {}
-  const TileTokenizer& tokenizer() const { return tokenizer_; }
+  using WordsOf<Tokenizer>::WordsOf;
 
-  const TokenizerConfig& frames() const override { return tokenizer_.frames(); }
-  TileConfig tiles() const override { return tokenizer_.tiles(); }
-  const std::vector<int>& joints() const override { return tokenizer_.joints(); }
-  int characters() const override { return tokenizer_.characters(); }
-  TokenStream encode(const Clip& clip, EncodeReport* report) const override {
-    return tokenizer_.encode(clip, report);
-  }
-  Clip decode(const std::vector<std::int32_t>& ids, std::int64_t frames, const std::string& name,
+  const TokenizerConfig& frames() const override { return tokenizer().config(); }
+  int characters() const override { return tokenizer().bins(); }
+  Clip decode(const std::vector<std::int32_t>& ids, std::int64_t, const std::string& name,
               const Eigen::Vector3d& start) const override {
-    return tokenizer_.decode(ids, frames, name, start);
+    return tokenizer().decode(ids, name, start);
   }
   std::size_t check(const std::vector<std::int32_t>& ids, const std::string& name) const override {
-    return tokenizer_.check_words(ids, name);
+    tokenizer().check_frames(ids, name);
+    return ids.size() / static_cast<std::size_t>(tokenizer().tokens_per_frame());
   }
   Eigen::MatrixXd rotations(const Clip& clip) const override {
-    return tokenizer_.channel_values(clip).leftCols(
-        3 * static_cast<Eigen::Index>(tokenizer_.joints().size()));
+    return tokenizer().rotation_values(clip);
   }
-  std::string to_text(const std::vector<std::int32_t>& ids) const override {
-    return tokenizer_.to_text(ids);
-  }
-  std::vector<std::int32_t> from_text(const std::string& text, const std::string& name,
-                                      std::size_t line) const override {
-    return tokenizer_.from_text(text, name, line);
-  }
-  std::string fingerprint() const override { return tokenizer_.fingerprint(); }
-  Json to_json() const override { return tokenizer_.to_json(); }
+};
 
- private:
-  TileTokenizer tokenizer_;
+class TileWords : public WordsOf<TileTokenizer> {
+ public:
+  using WordsOf<TileTokenizer>::WordsOf;
+
+  const TokenizerConfig& frames() const override { return tokenizer().frames(); }
+  TileConfig tiles() const override { return tokenizer().tiles(); }
+  int characters() const override { return tokenizer().characters(); }
+  Clip decode(const std::vector<std::int32_t>& ids, std::int64_t frames, const std::string& name,
+              const Eigen::Vector3d& start) const override {
+    return tokenizer().decode(ids, frames, name, start);
+  }
+  std::size_t check(const std::vector<std::int32_t>& ids, const std::string& name) const override {
+    return tokenizer().check_words(ids, name);
+  }
+  Eigen::MatrixXd rotations(const Clip& clip) const override {
+    return tokenizer().channel_values(clip).leftCols(
+        3 * static_cast<Eigen::Index>(tokenizer().joints().size()));
+  }
 };
 
 // Frame or tile tokenizer, as tiles.tiles says; clip(i) for i in [0, count) is asked for once.

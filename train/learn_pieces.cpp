@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 
 extern char** environ;
 
@@ -19,26 +20,6 @@ namespace fs = std::filesystem;
 namespace mocaplm {
 
 namespace {
-
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "mocaplm-pieces-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw DataError(in_file(name), std::string("cannot be made: ") + std::strerror(errno));
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
 
 // Runs a program to its end, what it writes into `output`; returns its exit code, -1 for a signal.
 int run(const std::vector<std::string>& words, const fs::path& output) {
@@ -75,7 +56,7 @@ std::string last_message(const fs::path& output) {
 
 std::string learn_model_pieces(const PieceConfig& config, const Tokenizer& tokenizer,
                                const fs::path& data, const fs::path& program) {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   tokenizer.save(scratch / "tokenizer.json");
   const fs::path mocaplm =
       program.empty() ? fs::read_symlink("/proc/self/exe").parent_path() / "mocaplm" : program;

@@ -1,13 +1,11 @@
 #include "train/setup.h"
 
-#include <algorithm>
-#include <set>
-
 #include "common/error.h"
-#include "common/text.h"
 #include "model/transformer/setup.h"
+#include "motion/chosen_clips.h"
 #include "train/balance.h"
 #include "train/learn_pieces.h"
+#include "train/stream_shape.h"
 
 namespace fs = std::filesystem;
 
@@ -27,23 +25,9 @@ Tokenizer fit_tokenizer(const TokenizerConfig& config, const Dataset& dataset) {
 std::vector<std::string> chosen_conditions(const TrainOptions& options, const Dataset& dataset) {
   std::vector<std::string> chosen = options.config.train.conditions;
   if (chosen == std::vector<std::string>{"none"}) return {};
-  const std::vector<std::string> there = dataset.label_names();
-  if (chosen.empty()) return options.from ? there : chosen;
-  const std::set<std::string> known(there.begin(), there.end());
-  for (const std::string& label : chosen)
-    if (known.count(label) == 0)
-      throw UsageError("no clip of the dataset has the label \"" + label + "\"" +
-                       known_names(label, there, "Its labels"));
+  if (chosen.empty()) return options.from ? dataset.label_names() : chosen;
+  for (const std::string& label : chosen) check_label(dataset, label, "conditions");
   return chosen;
-}
-
-StreamShape stream_shape(const Tokenizer& tokenizer, const PieceVocabulary& pieces) {
-  return {tokenizer.vocabulary() + pieces.count(),
-          Tokenizer::kFirstBin,
-          tokenizer.bins(),
-          tokenizer.channels(),
-          pieces.count(),
-          pieces.longest()};
 }
 
 Tokenizer stored_tokenizer(const StoredModel& stored, const std::string& place) {
@@ -127,14 +111,6 @@ void check_pieces(const RunConfig& config) {
     throw UsageError("pieces (bpe, unigram) need architecture flat and objective causal");
 }
 
-void check_balance(const TrainConfig& config, const Dataset& dataset) {
-  const std::vector<std::string> known = dataset.label_names();
-  if (!config.balance.empty() &&
-      std::find(known.begin(), known.end(), config.balance) == known.end())
-    throw UsageError("balance: no clip of the dataset has the label \"" + config.balance + "\"" +
-                     known_names(config.balance, known, "Its labels"));
-}
-
 }  // namespace
 
 void balance_corpus(const TrainSetup& setup, Corpus& corpus) {
@@ -147,7 +123,8 @@ TrainSetup set_up_training(const TrainOptions& options) {
   setup.config = options.config;
   check_pieces(setup.config);
   setup.dataset = load_dataset(options.data);
-  check_balance(setup.config.train, setup.dataset);
+  if (const std::string& label = setup.config.train.balance; !label.empty())
+    check_label(setup.dataset, label, "balance");
   at::manual_seed(static_cast<std::uint64_t>(setup.config.train.seed));
   if (options.resume)
     start_again(setup, options);

@@ -1,6 +1,5 @@
 #include "emulator/evaluation/evaluation.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -10,6 +9,7 @@
 #include "common/settings.h"
 #include "common/text.h"
 #include "emulator/evaluation/split.h"
+#include "motion/chosen_clips.h"
 
 namespace mocaplm {
 
@@ -26,19 +26,14 @@ std::vector<NamedClass> classes_of(const Dataset& dataset, const EvaluationOptio
   if (options.label.empty()) {
     if (!options.values.empty()) throw UsageError("--values needs --label");
     return {{options.where.empty() ? "all clips" : join(options.where, " "),
-             entries_where(dataset, options.where, "")}};
+             chosen_entries(dataset, "", options.where)}};
   }
-  const std::vector<std::string> labels = dataset.label_names(),
-                                 known = dataset.label_values(options.label);
-  if (known.empty())
-    throw UsageError("--label " + options.label + ": no clip of " + dataset.directory.string() +
-                     " has this label" + known_names(options.label, labels));
-  const std::vector<DatasetEntry> entries = entries_where(dataset, options.where, "");
+  check_label(dataset, options.label, "--label");
+  const std::vector<DatasetEntry> entries = chosen_entries(dataset, "", options.where);
   std::vector<NamedClass> classes;
-  for (const std::string& value : options.values.empty() ? known : options.values) {
-    if (std::find(known.begin(), known.end(), value) == known.end())
-      throw UsageError("--values " + value + ": no clip of " + dataset.directory.string() +
-                       " has this " + options.label + known_names(value, known));
+  for (const std::string& value :
+       options.values.empty() ? dataset.label_values(options.label) : options.values) {
+    check_label_value(dataset, options.label, value, "--values");
     NamedClass one{value, {}};
     for (const DatasetEntry& entry : entries) {
       const auto label = entry.labels.find(options.label);

@@ -7,10 +7,11 @@
 #include "common/error.h"
 #include "common/parallel.h"
 #include "common/text.h"
-#include "evaluate/generated/chosen_clips.h"
 #include "evaluate/generated/forecast_report.h"
+#include "motion/chosen_clips.h"
 #include "motion/resample.h"
 #include "motion/skeleton.h"
+#include "tokenizer/conditions.h"
 
 namespace mocaplm {
 
@@ -107,8 +108,8 @@ class Comparison {
       const Clip& seed = material_.windows[i / each].seed;
       GenerateRequest r = model_request(seed, ahead_, *model.generator);
       if (options_.conditions)
-        r.labels = known_conditions(seed.labels, model.generator->description().conditions,
-                                    model.generator->tokenizer());
+        r.labels = known_conditions(model.generator->tokenizer(),
+                                    model.generator->description().conditions, seed.labels);
       r.sampling = options_.sampling;
       r.sampling.strategy = i % each == 0 ? "greedy" : "sample";
       r.sampling.seed = (options_.sampling.seed + static_cast<std::int64_t>(i)) % 2147483647;

@@ -7,8 +7,9 @@
 #include "common/error.h"
 #include "common/parallel.h"
 #include "common/text.h"
-#include "evaluate/generated/chosen_clips.h"
 #include "evaluate/generated/motion_measures.h"
+#include "motion/chosen_clips.h"
+#include "tokenizer/conditions.h"
 
 namespace mocaplm {
 
@@ -95,7 +96,7 @@ Dances make_dances(const LongOptions& options, const Reference& reference, Asked
     r.seconds = options.seconds;
     if (options.conditions)
       r.labels =
-          known_conditions(clip.labels, model.generator->description().conditions, tokenizer);
+          known_conditions(tokenizer, model.generator->description().conditions, clip.labels);
     r.sampling = options.sampling;
     r.sampling.seed = (options.sampling.seed + static_cast<std::int64_t>(i)) % 2147483647;
     return r;

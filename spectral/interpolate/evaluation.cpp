@@ -7,6 +7,7 @@
 #include "common/progress.h"
 #include "common/random.h"
 #include "common/text.h"
+#include "motion/chosen_clips.h"
 #include "numeric/quantiles.h"
 #include "spectral/interpolate/interpolate.h"
 #include "spectral/measures.h"
@@ -154,10 +155,7 @@ Clip beginning(const Dataset& dataset, std::size_t entry, double seconds) {
 std::vector<std::pair<std::size_t, std::size_t>> different_pairs(const Dataset& dataset,
                                                                  const std::string& label,
                                                                  const InterpolatePairs& config) {
-  const std::vector<std::string> known = dataset.label_names();
-  if (std::find(known.begin(), known.end(), label) == known.end())
-    throw UsageError("no clip has the label \"" + label + "\"" +
-                     known_names(label, known, "Labels"));
+  check_label(dataset, label, "--evaluate");
   std::vector<std::size_t> free;
   for (std::size_t i = 0; i < dataset.entries.size(); ++i) {
     const DatasetEntry& entry = dataset.entries[i];

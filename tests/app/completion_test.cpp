@@ -8,8 +8,8 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "common/text.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

@@ -5,6 +5,7 @@
 #include "common/csv.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "motion/edit.h"
 #include "motion/floor.h"
 #include "motion/formats/formats.h"
@@ -14,9 +15,7 @@
 #include "motion/mirror.h"
 #include "motion/skeleton.h"
 #include "support/glb_file.h"
-#include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 
@@ -41,9 +40,7 @@ class Convert : public testing::Test {
     ASSERT_EQ(ran.code, 0) << arguments << "\n" << ran.text;
   }
   static void refused(const std::string& arguments, int code, const std::string& part) {
-    const Ran ran = run_mocaplm("convert " + arguments);
-    EXPECT_EQ(ran.code, code) << arguments << "\n" << ran.text;
-    EXPECT_TRUE(contains(ran.text, part)) << ran.text;
+    expect_run("convert " + arguments, code, part);
   }
 
   static double way_apart(const Clip& a, const Clip& b) {

@@ -4,7 +4,7 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
-#include "temporary_folder.h"
+#include "common/temporary_folder.h"
 
 namespace fs = std::filesystem;
 
@@ -16,97 +16,92 @@ const std::string kSmall = " --genres WA --dancers 1 --choreographies 1 --second
 class DataCommands : public ::testing::Test {
  protected:
   std::string at(const std::string& name) const { return "'" + (folder_ / name).string() + "'"; }
-  // Expects the exit code and a message that names `part`.
-  void expect(const std::string& arguments, int code, const std::string& part) {
-    const Ran ran = run_mocaplm(arguments);
-    EXPECT_EQ(ran.code, code) << arguments << "\n" << ran.text;
-    EXPECT_NE(ran.text.find(part), std::string::npos) << arguments << "\n" << ran.text;
-  }
   TemporaryFolder folder_;
 };
 
 TEST_F(DataCommands, UsageErrorsExitWithTwo) {
-  expect("", 2, "give a command");
-  expect("dance", 2, "dance");
-  expect("import", 2, "required");
-  expect("import x", 2, "--out");
-  expect("import x --out y --fps abc", 2, "fps");
-  expect("import x --out y --fps nan", 2, "fps");
-  expect("import x --out y --fps -1", 2, "fps");
-  expect("import x --out y --up x", 2, "up");
-  expect("import x --out y --nonsense", 2, "nonsense");
-  expect("import x --out y --append --overwrite", 2, "excludes");
-  expect("import x --out y --split 1,1,1", 2, "--split");
-  expect("synth", 2, "--out");
-  expect("synth --out " + at("s") + " --seed x", 2, "seed");
-  expect("synth --out " + at("s") + " --genres WX", 2, "no genre \"WX\"");
-  expect("synth --out " + at("s") + " --seconds 1e9", 2, "seconds");
-  expect("synth --out " + at("s") + " --dancers 4", 2, "dancers");
-  expect("info", 2, "PATH");
+  expect_run("", 2, "give a command");
+  expect_run("dance", 2, "dance");
+  expect_run("import", 2, "required");
+  expect_run("import x", 2, "--out");
+  expect_run("import x --out y --fps abc", 2, "fps");
+  expect_run("import x --out y --fps nan", 2, "fps");
+  expect_run("import x --out y --fps -1", 2, "fps");
+  expect_run("import x --out y --up x", 2, "up");
+  expect_run("import x --out y --nonsense", 2, "nonsense");
+  expect_run("import x --out y --append --overwrite", 2, "excludes");
+  expect_run("import x --out y --split 1,1,1", 2, "--split");
+  expect_run("synth", 2, "--out");
+  expect_run("synth --out " + at("s") + " --seed x", 2, "seed");
+  expect_run("synth --out " + at("s") + " --genres WX", 2, "no genre \"WX\"");
+  expect_run("synth --out " + at("s") + " --seconds 1e9", 2, "seconds");
+  expect_run("synth --out " + at("s") + " --dancers 4", 2, "dancers");
+  expect_run("info", 2, "PATH");
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 TEST_F(DataCommands, HelpAndVersionExitWithZero) {
-  expect("--help", 0, "import");
-  expect("--version", 0, "mocaplm ");
-  expect("import --help", 0, "--label-regex");
-  expect("synth --help", 0, "--seed");
-  expect("info --help", 0, "PATH");
+  expect_run("--help", 0, "import");
+  expect_run("--version", 0, "mocaplm ");
+  expect_run("import --help", 0, "--label-regex");
+  expect_run("synth --help", 0, "--seed");
+  expect_run("info --help", 0, "PATH");
 }
 
 TEST_F(DataCommands, MissingAndBrokenFilesExitWithThree) {
-  expect("import " + at("none") + " --out " + at("o"), 3, "none: no such file");
-  expect("info " + at("none"), 3, "none: no such file");
+  expect_run("import " + at("none") + " --out " + at("o"), 3, "none: no such file");
+  expect_run("info " + at("none"), 3, "none: no such file");
   fs::create_directories(folder_ / "in");
-  expect("import " + at("in") + " --out " + at("o"), 3, "no .npz, .pkl or .bvh");
-  expect("info " + at("in"), 3, "neither a dataset");
+  expect_run("import " + at("in") + " --out " + at("o"), 3, "no .npz, .pkl or .bvh");
+  expect_run("info " + at("in"), 3, "neither a dataset");
   write_file(folder_ / "in" / "a.bvh", "HIERARCHY\nROOT");
-  expect("import " + at("in") + " --out " + at("o"), 3, "nothing was written");
-  expect("import " + at("in") + " --out " + at("o") + " --strict", 3, "a.bvh: line 2");
-  expect("info " + at("in/a.bvh"), 3, "a.bvh: line 2");
+  expect_run("import " + at("in") + " --out " + at("o"), 3, "nothing was written");
+  expect_run("import " + at("in") + " --out " + at("o") + " --strict", 3, "a.bvh: line 2");
+  expect_run("info " + at("in/a.bvh"), 3, "a.bvh: line 2");
   for (const char* name : {"x.npz", "x.pkl", "x.bvh", "x.json", "dataset.json", "config.json"})
     for (const std::string& content :
          {std::string(), std::string("{"), std::string("{}"), std::string(5000, '\0'),
           std::string("PK\3\4") + std::string(100, '\xff')}) {
       write_file(folder_ / "b" / name, content);
-      expect("info " + at(std::string("b/") + name), 3, name);
+      expect_run("info " + at(std::string("b/") + name), 3, name);
     }
   write_file(folder_ / "c.txt", "x");
-  expect("import " + at("c.txt") + " --out " + at("o"), 2, "not a motion file");
+  expect_run("import " + at("c.txt") + " --out " + at("o"), 2, "not a motion file");
   EXPECT_FALSE(fs::exists(folder_ / "o"));
 }
 
 TEST_F(DataCommands, SynthImportInfoWalk) {
-  expect("synth --out " + at("s") + kSmall, 0, "procedural");
-  expect("synth --out " + at("s") + kSmall, 2, "--overwrite");
-  expect("synth --out " + at("s") + kSmall + " --overwrite", 0, "procedural");
-  expect("info " + at("s") + " --json " + at("i.json"), 0, "Procedural dances");
+  expect_run("synth --out " + at("s") + kSmall, 0, "procedural");
+  expect_run("synth --out " + at("s") + kSmall, 2, "--overwrite");
+  expect_run("synth --out " + at("s") + kSmall + " --overwrite", 0, "procedural");
+  expect_run("info " + at("s") + " --json " + at("i.json"), 0, "Procedural dances");
   EXPECT_EQ(load_json(folder_ / "i.json").size(), 2u);
 
-  expect("import " + at("s/clips") + " --out " + at("d") + " --json " + at("d.json"), 0, "2 clips");
+  expect_run("import " + at("s/clips") + " --out " + at("d") + " --json " + at("d.json"), 0,
+             "2 clips");
   EXPECT_EQ(load_json(folder_ / "d.json")["imported"], 2);
-  expect("info " + at("d"), 0, "waack (2)");
+  expect_run("info " + at("d"), 0, "waack (2)");
 
   // One broken file among sound ones: the others are written, the exit code says so.
   fs::copy(folder_ / "s" / "clips", folder_ / "in");
   write_file(folder_ / "in" / "broken.npz", "PK");
-  expect("import " + at("in") + " --out " + at("d"), 2, "--overwrite replaces it");
-  expect("import " + at("in") + " --out " + at("d") + " --overwrite", 3, "1 of 3 files");
-  expect("info " + at("d"), 0, "waack (2)");
-  expect("import " + at("in") + " --out " + at("d") + " --overwrite --strict", 3, "broken.npz");
-  expect("info " + at("d"), 0, "waack (2)");
+  expect_run("import " + at("in") + " --out " + at("d"), 2, "--overwrite replaces it");
+  expect_run("import " + at("in") + " --out " + at("d") + " --overwrite", 3, "1 of 3 files");
+  expect_run("info " + at("d"), 0, "waack (2)");
+  expect_run("import " + at("in") + " --out " + at("d") + " --overwrite --strict", 3, "broken.npz");
+  expect_run("info " + at("d"), 0, "waack (2)");
 }
 
 TEST_F(DataCommands, FoldersOfOthersAreLeftAlone) {
   write_file(folder_ / "mine" / "notes.txt", "mine");
-  expect("synth --out " + at("mine") + kSmall + " --overwrite", 3, "not a dataset");
+  expect_run("synth --out " + at("mine") + kSmall + " --overwrite", 3, "not a dataset");
   write_file(folder_ / "file", "mine");
-  expect("synth --out " + at("file") + kSmall, 3, "file");
+  expect_run("synth --out " + at("file") + kSmall, 3, "file");
   EXPECT_EQ(read_file(folder_ / "mine" / "notes.txt"), "mine");
   EXPECT_EQ(read_file(folder_ / "file"), "mine");
-  expect("synth --out " + at("s") + kSmall, 0, "procedural");
-  expect("import " + at("s") + " --out " + at("s") + " --overwrite", 2, "lies inside --out");
-  expect("info " + at("s"), 0, "waack (2)");
+  expect_run("synth --out " + at("s") + kSmall, 0, "procedural");
+  expect_run("import " + at("s") + " --out " + at("s") + " --overwrite", 2, "lies inside --out");
+  expect_run("info " + at("s"), 0, "waack (2)");
 }
 
 }  // namespace

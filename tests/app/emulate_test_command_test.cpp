@@ -4,8 +4,8 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 
@@ -22,17 +22,16 @@ class EmulateTestCommand : public ::testing::Test {
     write_dataset(folder_ / "data", clips);
   }
   std::string at(const std::string& name) const { return "'" + (folder_ / name).string() + "'"; }
-  Ran test(const std::string& options) const {
-    return run_mocaplm("emulate test " + at("data") +
-                       " --label content --align none --frames 10 --d1 3 --d2 2 --samples 6 "
-                       "--permutations 29 --postures 40 --window 4 --step 2 --level-one 0 "
-                       "--scheme SIEM/SequentialPCA/IG,PWI " +
-                       options);
+  std::string with(const std::string& options) const {
+    return "emulate test " + at("data") +
+           " --label content --align none --frames 10 --d1 3 --d2 2 --samples 6 "
+           "--permutations 29 --postures 40 --window 4 --step 2 --level-one 0 "
+           "--scheme SIEM/SequentialPCA/IG,PWI " +
+           options;
   }
+  Ran test(const std::string& options) const { return run_mocaplm(with(options)); }
   void expect(const std::string& options, int code, const std::string& part) const {
-    const Ran ran = test(options);
-    EXPECT_EQ(ran.code, code) << options << "\n" << ran.text;
-    EXPECT_NE(ran.text.find(part), std::string::npos) << options << "\n" << ran.text;
+    expect_run(with(options), code, part);
   }
   TemporaryFolder folder_;
 };

@@ -9,10 +9,10 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "model/directory.h"
 #include "support/refusal.h"
 #include "support/small_models.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

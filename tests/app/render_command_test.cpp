@@ -5,9 +5,9 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {
@@ -25,9 +25,7 @@ class RenderCommand : public testing::Test {
     return " --out " + at(out) + " --width 160 --height 120 ";
   }
   static void refused(const std::string& arguments, int code, const std::string& part) {
-    const Ran ran = run_mocaplm("render " + arguments);
-    EXPECT_EQ(ran.code, code) << arguments << "\n" << ran.text;
-    EXPECT_TRUE(contains(ran.text, part)) << ran.text;
+    expect_run("render " + arguments, code, part);
   }
 
   static TemporaryFolder* folder_;

@@ -7,6 +7,7 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
@@ -18,17 +19,12 @@ namespace fs = std::filesystem;
 class TokenizeCommand : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("mocaplm_tokenize_command_test_" +
-               std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
     write_dataset(folder_ / "data", {{"a", "train", 90}, {"b", "train", 60}, {"c", "test", 50}});
   }
-  void TearDown() override { fs::remove_all(folder_); }
   Ran run(const std::string& arguments) { return run_mocaplm("tokenize " + arguments); }
   std::string at(const std::string& name) { return (folder_ / name).string(); }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(TokenizeCommand, WritesTilesAndBringsThemBack) {

@@ -15,7 +15,7 @@
 #include "common/files.h"
 #include "common/json.h"
 #include "common/random.h"
-#include "temporary_folder.h"
+#include "common/temporary_folder.h"
 
 namespace mocaplm {
 

@@ -9,8 +9,8 @@
 
 #include "app/command_line.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/formats/formats.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "temporary_folder.h"
+#include "common/temporary_folder.h"
 
 namespace mocaplm::bench {
 namespace {

@@ -5,12 +5,12 @@
 
 #include "classify/predict.h"
 #include "classify/train.h"
+#include "common/temporary_folder.h"
 #include "model/transformer/transformer.h"
 #include "motion/formats/npz.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 #include "support/small_models.h"
-#include "temporary_folder.h"
 #include "train/trainer.h"
 
 namespace fs = std::filesystem;

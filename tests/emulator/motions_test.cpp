@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/skeleton.h"
 #include "motion/synth.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 
@@ -79,31 +79,6 @@ TEST(Motions, SampledClipsHaveTheSampledDirections) {
     }
 }
 
-TEST(Motions, EntriesOfALabel) {
-  Dataset dataset;
-  dataset.directory = "ds";
-  for (const char* name : {"a", "b", "c", "d"}) {
-    DatasetEntry entry;
-    entry.name = name;
-    entry.labels = {{"content", name[0] < 'c' ? "walk" : "run"}};
-    if (name[0] != 'd') entry.labels["style"] = "happy";
-    entry.split = name[0] == 'a' ? "test" : "train";
-    dataset.entries.push_back(entry);
-  }
-  EXPECT_EQ(entries_where(dataset, {"content=walk"}, "").size(), 2u);
-  EXPECT_EQ(entries_where(dataset, {"content=walk"}, "test").size(), 1u);
-  EXPECT_EQ(entries_where(dataset, {"content=run", "style=happy"}, "").size(), 1u);
-  EXPECT_THROW(entries_where(dataset, {"content=run"}, "test"), DataError);
-  EXPECT_THROW(entries_where(dataset, {"content"}, ""), UsageError);
-  try {
-    entries_where(dataset, {"content=wlak"}, "");
-    FAIL();
-  } catch (const UsageError& error) {
-    EXPECT_NE(std::string(error.what()).find("did you mean \"walk\""), std::string::npos);
-  }
-  EXPECT_THROW(entries_where(dataset, {"contents=walk"}, ""), UsageError);
-}
-
 TEST(Motions, BadClipsAreNamed) {
   auto clips = dances(3);
   clips[1] = slice(clips[1], 0, 1);
@@ -138,6 +113,7 @@ TEST(Motions, DamagedFilesAreRefused) {
   refused([](Json& j) { j["version"] = 2; });
   refused([](Json& j) { j["format"] = "mocaplm tokenizer"; });
   refused([](Json& j) { j["more"] = 2; });
+  refused([](Json& j) { j["where"] = {"waack"}; });
   refused([](Json& j) { j.erase("turns"); });
   refused([](Json& j) { j["seconds"][0] = -1; });
   refused([](Json& j) { j["warpings"]["values"][3] = 9; });

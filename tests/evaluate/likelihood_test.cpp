@@ -5,20 +5,13 @@
 
 #include <cmath>
 
-#include "model/transformer/weights.h"
+#include "support/random_model.h"
 #include "support/small_models.h"
 
 namespace mocaplm {
 namespace {
 
 constexpr std::size_t kPerFrame = 4, kRoom = 5;  // (24 - 1 .. 4 prefix tokens) / 4 tokens a frame
-
-std::shared_ptr<LanguageModel> small_transformer(const ModelDescription& d) {
-  auto model = make_language_model(d);
-  import_weights(*model, random_weights(d, 11), "made up");
-  model->eval();
-  return model;
-}
 
 // Clips shorter than, as long as, and longer than a window, with prefixes of one to four tokens.
 std::vector<ScoredClip> some_clips(const ModelDescription& d) {
@@ -60,7 +53,7 @@ std::vector<std::vector<double>> plain(LanguageModel& model, const ScoredClip& c
 
 TEST(ScoreClips, EqualsOneFrameAtATime) {
   for (const ModelDescription& d : all_variants()) {
-    const auto model = small_transformer(d);
+    const auto model = random_model(d, 11);
     const std::vector<ScoredClip> clips = some_clips(d);
     const std::vector<BitCount> counts = score_clips(*model, clips, 3);
     ASSERT_EQ(counts.size(), clips.size());
@@ -80,7 +73,7 @@ TEST(ScoreClips, EqualsOneFrameAtATime) {
 
 TEST(ScoreClips, TheEngineGivesTheSameBits) {
   for (const ModelDescription& d : all_variants()) {
-    const auto model = small_transformer(d);
+    const auto model = random_model(d, 11);
     StoredModel stored;
     stored.description = d;
     stored.tensors = random_weights(d, 11);
@@ -98,7 +91,7 @@ TEST(ScoreClips, TheEngineGivesTheSameBits) {
 
 TEST(ScoreClips, BatchingAndPaddingChangeNothing) {
   const ModelDescription d = small_description();
-  const auto model = small_transformer(d);
+  const auto model = random_model(d, 11);
   const std::vector<ScoredClip> clips = some_clips(d);
   const std::vector<BitCount> one = score_clips(*model, clips, 1);
   for (const std::int64_t at_once : {2, 5, 64}) {

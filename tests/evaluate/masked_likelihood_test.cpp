@@ -7,7 +7,7 @@
 #include <map>
 
 #include "model/masked_input.h"
-#include "model/transformer/weights.h"
+#include "support/random_model.h"
 #include "support/small_models.h"
 
 namespace mocaplm {
@@ -33,9 +33,7 @@ TEST(ScoreMaskedClips, EveryTokenIsHiddenOnceWithASeventhOfTheOthers) {
 TEST(ScoreMaskedClips, EqualsOneTokenAtATime) {
   for (ModelDescription d : all_variants()) {
     d.config.objective = "masked";
-    auto model = make_language_model(d);
-    import_weights(*model, random_weights(d, 11), "made up");
-    model->eval();
+    const auto model = random_model(d, 11);
     Random random(4);
     std::vector<ScoredClip> clips;
     for (const std::int64_t frames : {1, 5, 6, 13}) {

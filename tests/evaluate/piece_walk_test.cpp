@@ -5,17 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/temporary_folder.h"
 #include "evaluate/evaluate.h"
 #include "evaluate/likelihood.h"
 #include "generate/generator.h"
 #include "generate/piece_decoder.h"
-#include "model/transformer/weights.h"
 #include "support/piece_models.h"
+#include "support/random_model.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 #include "support/small_models.h"
-#include "temporary_folder.h"
 #include "train/setup.h"
+#include "train/stream_shape.h"
 
 namespace fs = std::filesystem;
 
@@ -199,11 +200,9 @@ TEST(ScorePieceClips, IsTheSumOfThePiecesOfEachFrame) {
       random_piece_bytes(tokenizer, {tokenizer.encode(random_clip(1, 100)).ids}, 100);
   const PieceVocabulary pieces(bytes, tokenizer, "pieces");
   ModelDescription d = small_description();
-  d.shape = piece_shape(tokenizer, pieces);
+  d.shape = stream_shape(tokenizer, pieces);
   d.pieces_fingerprint = pieces.fingerprint();
-  const auto model = make_language_model(d);
-  import_weights(*model, random_weights(d, 11), "made up");
-  model->eval();
+  const auto model = random_model(d, 11);
   std::vector<ScoredClip> clips;
   for (const Eigen::Index frames : {1, 3, 5, 8, 30}) {
     ScoredClip clip;

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/temporary_folder.h"
 #include "evaluate/likelihood.h"
 #include "generate/engine.h"
 #include "motion/synth.h"
-#include "temporary_folder.h"
 #include "train/trainer.h"
 
 namespace fs = std::filesystem;

@@ -1,11 +1,11 @@
 // Quantile bins from end to end: a small model is trained, generates and is evaluated.
 #include <gtest/gtest.h>
 
+#include "common/temporary_folder.h"
 #include "evaluate/evaluate.h"
 #include "generate/generator.h"
 #include "model/transformer/weights.h"
 #include "motion/synth.h"
-#include "temporary_folder.h"
 #include "train/trainer.h"
 
 namespace mocaplm {

@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "evaluate/evaluate.h"
 #include "experiments/report.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 #include "train/trainer.h"
 
 namespace fs = std::filesystem;

@@ -12,6 +12,7 @@
 #include "support/refusal.h"
 #include "support/small_models.h"
 #include "tokenizer/random_clips.h"
+#include "train/stream_shape.h"
 
 namespace mocaplm {
 
@@ -33,8 +34,7 @@ StoredModel dancing_model(const std::string& position = "custom",
   StoredModel model;
   model.description = small_description(position);
   model.description.config.block_size = 57;
-  model.description.shape = {tokenizer.vocabulary(), Tokenizer::kFirstBin, tokenizer.bins(),
-                             tokenizer.channels()};
+  model.description.shape = stream_shape(tokenizer);
   model.description.tokenizer_fingerprint = tokenizer.fingerprint();
   model.description.conditions = {"style", "content"};
   model.tensors = random_weights(model.description, 2);

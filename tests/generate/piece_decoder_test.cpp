@@ -13,6 +13,7 @@
 #include "support/refusal.h"
 #include "support/small_models.h"
 #include "tokenizer/random_clips.h"
+#include "train/stream_shape.h"
 
 namespace mocaplm {
 
@@ -35,7 +36,7 @@ StoredModel piece_model(const std::string& position = "custom",
   tokenizer.add_label_values("style", {"calm", "wild"});
   model.description = small_description(position, output);
   model.description.config.block_size = 52;
-  model.description.shape = piece_shape(tokenizer, pieces);
+  model.description.shape = stream_shape(tokenizer, pieces);
   model.description.tokenizer_fingerprint = tokenizer.fingerprint();
   model.description.pieces_fingerprint = pieces.fingerprint();
   model.description.conditions = {"style"};

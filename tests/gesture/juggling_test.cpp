@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "gesture/juggling/demonstrator.h"
 #include "gesture/juggling/juggle.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "gesture/made_up.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {

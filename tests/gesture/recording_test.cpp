@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "model/masked_input.h"
-#include "model/transformer/weights.h"
+#include "support/random_model.h"
 #include "support/small_models.h"
 
 namespace mocaplm {
@@ -20,9 +20,7 @@ struct Case {
 
   explicit Case(std::int64_t frames, std::uint64_t seed = 3) : d(small_description()) {
     d.config.objective = "masked";
-    model = make_language_model(d);
-    import_weights(*model, random_weights(d, 11), "made up");
-    model->eval();
+    model = random_model(d, 11);
     Random random(seed);
     ids = random_stream(d.shape, frames, random);
     for (std::size_t i = 0; i < ids.size(); ++i)

@@ -4,15 +4,16 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "common/temporary_folder.h"
 #include "model/directory.h"
 #include "model/transformer/weights.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 #include "support/refusal.h"
 #include "support/small_models.h"
-#include "temporary_folder.h"
 #include "tokenizer/random_clips.h"
 #include "tokenizer/tokenizer.h"
+#include "train/stream_shape.h"
 
 namespace mocaplm {
 namespace {
@@ -28,8 +29,7 @@ class Infill : public testing::Test {
     stored.description = small_description();
     stored.description.config.objective = "masked";
     stored.description.config.block_size = 16 * 6;
-    stored.description.shape = {tokenizer.vocabulary(), Tokenizer::kFirstBin, tokenizer.bins(),
-                                tokenizer.channels()};
+    stored.description.shape = stream_shape(tokenizer);
     stored.description.tokenizer_fingerprint = tokenizer.fingerprint();
     stored.tokenizer = tokenizer.to_json();
     stored.tensors = random_weights(stored.description, 3);

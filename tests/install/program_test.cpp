@@ -7,8 +7,8 @@
 
 #include "app/command_line.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "support/refusal.h"
 #include "support/small_models.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

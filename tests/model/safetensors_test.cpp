@@ -9,8 +9,8 @@
 
 #include "common/files.h"
 #include "common/random.h"
+#include "common/temporary_folder.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 

@@ -4,9 +4,9 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/dataset_write.h"
 #include "motion/helpers.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

@@ -6,11 +6,11 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/formats/bvh.h"
 #include "motion/formats/npz.h"
 #include "motion/helpers.h"
 #include "motion/skeleton.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

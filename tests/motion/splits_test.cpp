@@ -7,7 +7,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
-#include "temporary_folder.h"
+#include "common/temporary_folder.h"
 
 namespace mocaplm {
 namespace {

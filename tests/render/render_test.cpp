@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/floor.h"
 #include "motion/resample.h"
 #include "motion/skeleton.h"
@@ -16,7 +17,6 @@
 #include "render/stage.h"
 #include "support/refusal.h"
 #include "support/run_program.h"
-#include "temporary_folder.h"
 #include "tokenizer/random_clips.h"
 
 namespace mocaplm {

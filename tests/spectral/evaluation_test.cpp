@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "common/error.h"
+#include "common/temporary_folder.h"
 #include "common/text.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "common/error.h"
 #include "common/random.h"
+#include "common/temporary_folder.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {

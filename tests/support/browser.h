@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "common/json.h"
-#include "temporary_folder.h"
+#include "common/temporary_folder.h"
 
 namespace mocaplm {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "common/temporary_folder.h"
 #include "support/browser.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 

@@ -10,7 +10,7 @@
 
 #include "common/random.h"
 #include "tokenizer/alphabet.h"
-#include "tokenizer/piece_vocabulary.h"
+#include "tokenizer/tokenizer.h"
 
 namespace mocaplm {
 
@@ -61,16 +61,6 @@ inline std::string random_piece_bytes(const Tokenizer& tokenizer,
       add(&ids[at], size, -8 - static_cast<float>(random.uniform()));
   }
   return sentencepiece_bytes(false, pieces);
-}
-
-// The stream's side of a model of these pieces.
-inline StreamShape piece_shape(const Tokenizer& tokenizer, const PieceVocabulary& pieces) {
-  return {tokenizer.vocabulary() + pieces.count(),
-          Tokenizer::kFirstBin,
-          tokenizer.bins(),
-          tokenizer.channels(),
-          pieces.count(),
-          pieces.longest()};
 }
 
 }  // namespace mocaplm

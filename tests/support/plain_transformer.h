@@ -2,6 +2,9 @@
 // simplest operations, nothing fused. What models are compared with.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -10,6 +13,7 @@
 
 #include "model/safetensors.h"
 #include "model/transformer/torch.h"
+#include "support/tensors.h"
 
 namespace mocaplm {
 
@@ -72,5 +76,27 @@ class PlainTransformer {
 
   std::map<std::string, at::Tensor> weights_;
 };
+
+// Cross-entropy (B, T) of logits (B, T, V), 0 where there is no target (-1).
+inline at::Tensor plain_loss(const at::Tensor& logits, const at::Tensor& target) {
+  const at::Tensor picked =
+      at::log_softmax(logits, -1).gather(2, target.clamp_min(0).unsqueeze(2)).squeeze(2);
+  return at::where(target >= 0, -picked, at::zeros_like(picked));
+}
+
+// Each parameter's gradient is the reference's: apart by `tolerance` at most, and by that share of
+// its largest value. `what`: the model, for the message.
+inline void expect_same_gradients(const torch::nn::Module& model, const PlainTransformer& reference,
+                                  double tolerance, const std::string& what) {
+  for (const auto& item : model.named_parameters()) {
+    std::string name = item.key();
+    std::replace(name.begin(), name.end(), '/', '.');
+    const at::Tensor gradient = item.value().grad(), expected = reference.weights().at(name).grad();
+    ASSERT_TRUE(gradient.defined()) << name << ", " << what;
+    EXPECT_LT(largest_difference(gradient, expected),
+              tolerance * (1 + expected.abs().max().item<double>()))
+        << name << ", " << what;
+  }
+}
 
 }  // namespace mocaplm

@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "tests/tokenizer/random_clips.h"
 
 namespace mocaplm {
@@ -14,8 +15,6 @@ namespace fs = std::filesystem;
 class Corpus : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("mocaplm_corpus_test_" + std::string(info()->name()));
-    fs::remove_all(folder_);
     file_ = folder_ / "corpus.txt";
     TokenizerConfig config;
     config.joints = {"pelvis", "left_knee"};
@@ -28,10 +27,6 @@ class Corpus : public testing::Test {
                         {{"style", "s" + std::to_string(i)}},
                         clips[i].trans.row(0).transpose(),
                         tokenizer_.encode(clips[i]).ids});
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  static const testing::TestInfo* info() {
-    return testing::UnitTest::GetInstance()->current_test_info();
   }
 
   std::string error_of_text(const std::string& text) {
@@ -50,7 +45,8 @@ class Corpus : public testing::Test {
     EXPECT_NE(error.find(part), std::string::npos) << error;
   }
 
-  fs::path folder_, file_;
+  TemporaryFolder folder_;
+  fs::path file_;
   Tokenizer tokenizer_;
   std::vector<CorpusClip> clips_;
 };

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 #include "tokenizer/tokenize.h"
@@ -144,21 +145,20 @@ TEST(Report, TilesTellMoreSecondsForMoreError) {
 }
 
 TEST(Report, FitsOnTheTrainingSplitAndMeasuresOnTheTestSplit) {
-  const fs::path folder = fs::path(testing::TempDir()) / "mocaplm_report_test";
-  fs::remove_all(folder);
+  const TemporaryFolder folder;
   write_dataset(
-      folder, {{"a", "train", 60}, {"b", "train", 80}, {"c", "validation", 50}, {"d", "test", 70}});
+      folder.path(),
+      {{"a", "train", 60}, {"b", "train", 80}, {"c", "validation", 50}, {"d", "test", 70}});
   TokenizeOptions options;
-  options.inputs = {folder.string()};
+  options.inputs = {folder.path().string()};
   std::string note;
   const std::vector<ReportRow> rows = tokenize_report(options, {"bins:90"}, note);
   EXPECT_EQ(rows[0].measure.clips, 1);
   EXPECT_EQ(rows[0].measure.frames, 70);
   EXPECT_PRED2(contains, note, "fitted on 2 clips (7 s), measured on 1 clips (4 s) not among them");
-  options.inputs = {(folder / "clips" / "a.npz").string()};
+  options.inputs = {(folder / "clips/a.npz").string()};
   EXPECT_EQ(tokenize_report(options, {"bins:90"}, note)[0].measure.frames, 60);
   EXPECT_PRED2(contains, note, "the same clips");
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/formats/formats.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
@@ -16,10 +17,6 @@ namespace fs = std::filesystem;
 class TilesCorpus : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("mocaplm_tiles_corpus_test_" +
-               std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
     write_dataset(
         folder_ / "data",
         {{"a", "train", 121, {{"style", "s"}}, 60}, {"b", "train", 60}, {"c", "test", 7}});
@@ -32,9 +29,8 @@ class TilesCorpus : public testing::Test {
     options_.out = folder_ / "out";
     options_.text = true;
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
   TokenizeOptions options_;
 };
 

@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/formats/formats.h"
 #include "motion/formats/npz.h"
 #include "tests/tokenizer/random_clips.h"
@@ -17,10 +18,6 @@ namespace fs = std::filesystem;
 class Tokenize : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("mocaplm_tokenize_test_" +
-               std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
     for (std::uint64_t i = 0; i < 3; ++i) {
       const std::string name = "c" + std::to_string(i);
       write_npz(folder_ / (name + ".npz"), random_clip(i, 121, 60, name));
@@ -29,9 +26,8 @@ class Tokenize : public testing::Test {
     options_.out = folder_ / "out";
     options_.text = true;
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
   TokenizeOptions options_;
 };
 
@@ -72,8 +68,9 @@ TEST_F(Tokenize, NeverReplacesAnotherTokenizerOrForeignFiles) {
 
   options_.out = folder_ / "good";
   tokenize(options_);
-  EXPECT_THROW(untokenize(options_.out / "corpus.txt", options_.out / "tokenizer.json", folder_),
-               DataError)
+  EXPECT_THROW(
+      untokenize(options_.out / "corpus.txt", options_.out / "tokenizer.json", folder_.path()),
+      DataError)
       << "the clips themselves lie there";
 }
 
@@ -90,7 +87,7 @@ TEST_F(Tokenize, RefusesWhatCannotBe) {
   bad.text = false;
   tokenize(bad);
   EXPECT_EQ(Tokenizer::load(bad.out).bins(), 360);
-  bad.inputs = {folder_.string()};  // a folder, but no dataset
+  bad.inputs = {folder_.path().string()};  // a folder, but no dataset
   EXPECT_THROW(tokenize(bad), DataError);
   bad.inputs = {(folder_ / "none.npz").string()};
   EXPECT_THROW(tokenize(bad), DataError);

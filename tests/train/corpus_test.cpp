@@ -7,11 +7,12 @@
 #include <map>
 #include <set>
 
+#include "common/temporary_folder.h"
 #include "model/directory.h"
 #include "motion/mirror.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
+#include "train/stream_shape.h"
 
 namespace mocaplm {
 
@@ -36,8 +37,7 @@ class TrainCorpus : public testing::Test {
     model_.config.block_size = 35;
     model_.config.reach = 5;
     model_.conditions = {"style", "dancer"};
-    model_.shape = {tokenizer_.vocabulary(), Tokenizer::kFirstBin, tokenizer_.bins(),
-                    tokenizer_.channels()};
+    model_.shape = stream_shape(tokenizer_);
     corpus_ = encode_split(dataset_, "train", tokenizer_, model_.conditions, false, 2);
   }
   std::int32_t id(const char* label, const char* value) const {

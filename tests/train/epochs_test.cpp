@@ -9,10 +9,10 @@
 #include <thread>
 
 #include "common/error.h"
+#include "common/temporary_folder.h"
 #include "motion/turn.h"
 #include "support/small_dataset.h"
 #include "support/small_models.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {

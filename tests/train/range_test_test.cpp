@@ -5,9 +5,9 @@
 
 #include <cmath>
 
+#include "common/temporary_folder.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace fs = std::filesystem;
 

@@ -7,10 +7,10 @@
 #include <map>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "model/transformer/setup.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 #include "train/setup.h"
 
 namespace fs = std::filesystem;

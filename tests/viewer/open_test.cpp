@@ -6,9 +6,9 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "motion/dataset_write.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "common/files.h"
+#include "common/temporary_folder.h"
 #include "emulator/evaluation/plots.h"
 #include "emulator/evaluation/random_postures.h"
 #include "emulator/evaluation/tables.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {

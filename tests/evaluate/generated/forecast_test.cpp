@@ -5,10 +5,10 @@
 
 #include <cmath>
 
+#include "common/temporary_folder.h"
 #include "evaluate/generated/small_dancer.h"
 #include "motion/resample.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {

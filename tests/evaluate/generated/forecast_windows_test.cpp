@@ -2,10 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "evaluate/generated/chosen_clips.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
-#include "support/refusal.h"
 #include "tokenizer/random_clips.h"
 
 namespace mocaplm {
@@ -78,33 +76,6 @@ TEST(ForecastWindows, LinearExtrapolationTakesTheShorterWay) {
   seed.poses(1, 15) = -pi + 0.2;
   const Clip forecast = linear_extrapolation(seed, 1);
   EXPECT_NEAR(forecast.poses(0, 15), -pi + 0.6, 1e-12);
-}
-
-TEST(ChosenClips, HaveTheSplitAndTheLabels) {
-  Dataset dataset;
-  dataset.directory = "somewhere";
-  for (const char* name : {"a", "b", "c"}) {
-    DatasetEntry entry;
-    entry.name = name;
-    entry.split = entry.name == "c" ? "train" : "test";
-    entry.labels = {{"style", entry.name}};
-    dataset.entries.push_back(entry);
-  }
-  EXPECT_EQ(chosen_entries(dataset, "test", {}).size(), 2u);
-  EXPECT_EQ(chosen_entries(dataset, "test", {"style=b"})[0].name, "b");
-  EXPECT_NE(refusal([&] { chosen_entries(dataset, "test", {"style=c"}); }).find("style=c"),
-            std::string::npos);
-  EXPECT_NE(refusal<UsageError>([&] { chosen_entries(dataset, "test", {"b"}); }).find("--where b"),
-            std::string::npos);
-}
-
-TEST(ChosenClips, ConditionsAreWhatTheModelKnows) {
-  Tokenizer tokenizer;
-  tokenizer.add_label_values("style", {"calm"});
-  const Labels calm = {{"style", "calm"}, {"content", "walk"}};
-  EXPECT_EQ(known_conditions(calm, {"style"}, tokenizer), (Labels{{"style", "calm"}}));
-  EXPECT_EQ(known_conditions({{"style", "wild"}}, {"style"}, tokenizer), Labels());
-  EXPECT_EQ(known_conditions(calm, {}, tokenizer), Labels());
 }
 
 }  // namespace mocaplm

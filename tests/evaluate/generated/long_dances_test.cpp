@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 
+#include "common/temporary_folder.h"
 #include "evaluate/generated/motion_measures.h"
 #include "evaluate/generated/small_dancer.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {
@@ -85,7 +85,8 @@ TEST_F(LongDances, RefusesWhatCannotBe) {
   EXPECT_NE(refusal([&] { long_tables(options_); }).find("shorter --seed-seconds"),
             std::string::npos);
   options_.where = {"style=none"};
-  EXPECT_NE(refusal([&] { long_tables(options_); }).find("style=none"), std::string::npos);
+  EXPECT_NE(refusal<UsageError>([&] { long_tables(options_); }).find("style=none"),
+            std::string::npos);
 }
 
 }  // namespace

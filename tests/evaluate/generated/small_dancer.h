@@ -9,6 +9,7 @@
 #include "support/small_dataset.h"
 #include "support/small_models.h"
 #include "tokenizer/tokenizer.h"
+#include "train/stream_shape.h"
 
 namespace mocaplm {
 
@@ -24,8 +25,7 @@ inline StoredModel small_dancer(const std::vector<std::string>& joints = {"left_
   StoredModel model;
   model.description = small_description();
   model.description.config.block_size = 12 * tokenizer.tokens_per_frame();
-  model.description.shape = {tokenizer.vocabulary(), Tokenizer::kFirstBin, tokenizer.bins(),
-                             tokenizer.channels()};
+  model.description.shape = stream_shape(tokenizer);
   model.description.tokenizer_fingerprint = tokenizer.fingerprint();
   model.description.conditions = {"style"};
   model.tensors = random_weights(model.description, 2);

@@ -10,6 +10,7 @@
 #include "model/transformer/cpu/attention.h"
 #include "model/transformer/cpu/features.h"
 #include "model/transformer/dropout.h"
+#include "support/tensors.h"
 
 namespace mocaplm {
 
@@ -42,10 +43,6 @@ Result run(const Attention& attention, const at::Tensor& qkv, const at::Tensor& 
   const at::Tensor out = attention(q, k, v);
   out.backward(upstream);
   return {out.detach(), q.grad(), k.grad(), v.grad()};
-}
-
-double largest_difference(const at::Tensor& a, const at::Tensor& b) {
-  return (a.to(at::kDouble) - b.to(at::kDouble)).abs().max().item<double>();
 }
 
 void expect_close(const Result& a, const Result& b, double tolerance) {

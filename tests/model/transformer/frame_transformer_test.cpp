@@ -6,22 +6,16 @@
 
 #include <cmath>
 
-#include "model/transformer/weights.h"
 #include "support/plain_transformer.h"
+#include "support/random_model.h"
 #include "support/small_models.h"
+#include "support/tensors.h"
 
 namespace mocaplm {
 
 namespace {
 
 using Ids = std::vector<std::int32_t>;
-
-std::shared_ptr<LanguageModel> random_model(const ModelDescription& d, std::uint64_t seed) {
-  auto model = make_language_model(d);
-  import_weights(*model, random_weights(d, seed), "made up");
-  model->eval();
-  return model;
-}
 
 std::vector<ModelDescription> variants() {
   ModelDescription forgetful = small_frames_description();
@@ -55,15 +49,6 @@ Batch random_batch(const ModelDescription& d, std::uint64_t seed) {
     targets.back()[2] = -1;
   }
   return stack(inputs, targets);
-}
-
-at::Tensor logits_of(LanguageModel& model, const Batch& batch) {
-  const at::NoGradGuard no_grad;
-  return model.logits(model.hidden(batch), batch);
-}
-
-double largest_difference(const at::Tensor& a, const at::Tensor& b) {
-  return (a.to(at::kDouble) - b.to(at::kDouble)).abs().max().item<double>();
 }
 
 // The definition once more, for one window: vectors of doubles, nothing batched.
@@ -312,10 +297,7 @@ TEST(FrameTransformer, TheLossIsTheCrossEntropyOfTheLogits) {
   for (const ModelDescription& d : variants()) {
     const auto model = random_model(d, 3);
     const Batch batch = random_batch(d, 4);
-    const at::Tensor picked = at::log_softmax(logits_of(*model, batch), -1)
-                                  .gather(2, batch.target.clamp_min(0).unsqueeze(2))
-                                  .squeeze(2);
-    const at::Tensor expected = at::where(batch.target >= 0, -picked, at::zeros_like(picked));
+    const at::Tensor expected = plain_loss(logits_of(*model, batch), batch.target);
     const at::NoGradGuard no_grad;
     EXPECT_LT(largest_difference(model->loss(model->hidden(batch), batch), expected), 1e-4);
   }
@@ -336,15 +318,7 @@ TEST(FrameTransformer, GradientsOfEveryParameterAgreeWithTheDefinition) {
       if ((p - 1) % 7 != 6)
         total = total - at::log_softmax(reference.next(input, p), -1)[input.token[p]];
     total.backward();
-    for (const auto& item : model->named_parameters()) {
-      std::string name = item.key();
-      std::replace(name.begin(), name.end(), '/', '.');
-      const at::Tensor expected = reference.weights().at(name).grad();
-      ASSERT_TRUE(item.value().grad().defined()) << name;
-      EXPECT_LT(largest_difference(item.value().grad(), expected),
-                2e-4 * (1 + expected.abs().max().item<double>()))
-          << name << ", " << variant_name(d);
-    }
+    expect_same_gradients(*model, reference, 2e-4, variant_name(d));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "model/input.h"
+#include "support/tensors.h"
 
 namespace mocaplm {
 
@@ -49,10 +50,6 @@ at::Tensor plain_logits(const Case& c) {
     }
   }
   return out;
-}
-
-double largest_difference(const at::Tensor& a, const at::Tensor& b) {
-  return (a.to(at::kDouble) - b.to(at::kDouble)).abs().max().item<double>();
 }
 
 TEST(CombinedLogits, AreTheSumBinByBin) {

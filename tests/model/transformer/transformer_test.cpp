@@ -9,18 +9,13 @@
 #include "model/masked_input.h"
 #include "model/transformer/weights.h"
 #include "support/plain_transformer.h"
+#include "support/random_model.h"
 #include "support/small_models.h"
+#include "support/tensors.h"
 
 namespace mocaplm {
 
 namespace {
-
-std::shared_ptr<Transformer> random_model(const ModelDescription& d, std::uint64_t seed) {
-  auto model = std::make_shared<Transformer>(d);
-  import_weights(*model, random_weights(d, seed), "made up");
-  model->eval();
-  return model;
-}
 
 std::vector<std::int32_t> full_stream(const ModelDescription& d, Random& random) {
   return random_stream(d.shape, d.config.block_size / d.shape.tokens_per_frame(), random);
@@ -43,15 +38,6 @@ Batch random_batch(const ModelDescription& d, std::int64_t size, std::uint64_t s
     targets.back()[3] = -1;
   }
   return stack(inputs, targets);
-}
-
-at::Tensor logits_of(Transformer& model, const Batch& batch) {
-  const at::NoGradGuard no_grad;
-  return model.logits(model.hidden(batch), batch);
-}
-
-double largest_difference(const at::Tensor& a, const at::Tensor& b) {
-  return (a.to(at::kDouble) - b.to(at::kDouble)).abs().max().item<double>();
 }
 
 // The model written down a second time.
@@ -114,19 +100,8 @@ TEST(Transformer, GradientsOfEveryParameterAgreeWithTheFormulas) {
     const Batch batch = random_batch(d, 2, 4);
     model->train();
     model->loss(model->hidden(batch), batch).sum().backward();
-    const at::Tensor picked = at::log_softmax(reference.logits(reference.hidden(batch), batch), -1)
-                                  .gather(2, batch.target.clamp_min(0).unsqueeze(2))
-                                  .squeeze(2);
-    at::where(batch.target >= 0, -picked, at::zeros_like(picked)).sum().backward();
-    for (const auto& item : model->named_parameters()) {
-      std::string name = item.key();
-      std::replace(name.begin(), name.end(), '/', '.');
-      const at::Tensor expected = reference.weights().at(name).grad();
-      ASSERT_TRUE(item.value().grad().defined()) << name;
-      EXPECT_LT(largest_difference(item.value().grad(), expected),
-                1e-4 * (1 + expected.abs().max().item<double>()))
-          << name << ", " << variant_name(d);
-    }
+    plain_loss(reference.logits(reference.hidden(batch), batch), batch.target).sum().backward();
+    expect_same_gradients(*model, reference, 1e-4, variant_name(d));
   }
 }
 
@@ -240,19 +215,10 @@ TEST(MaskedTransformer, AgreesWithTheFormulasInEveryVariant) {
     EXPECT_LT(largest_difference(logits_of(*model, batch), expected), 1e-4) << variant_name(d);
     const at::Tensor loss = model->loss(model->hidden(batch), batch);
     loss.sum().backward();
-    const at::Tensor picked =
-        at::log_softmax(expected, -1).gather(2, batch.target.clamp_min(0).unsqueeze(2)).squeeze(2);
-    const at::Tensor wanted = at::where(batch.target >= 0, -picked, at::zeros_like(picked));
+    const at::Tensor wanted = plain_loss(expected, batch.target);
     EXPECT_LT(largest_difference(loss, wanted), 1e-4) << variant_name(d);
     wanted.sum().backward();
-    for (const auto& item : model->named_parameters()) {
-      std::string name = item.key();
-      std::replace(name.begin(), name.end(), '/', '.');
-      const at::Tensor gradient = reference.weights().at(name).grad();
-      EXPECT_LT(largest_difference(item.value().grad(), gradient),
-                1e-4 * (1 + gradient.abs().max().item<double>()))
-          << name << ", " << variant_name(d);
-    }
+    expect_same_gradients(*model, reference, 1e-4, variant_name(d));
   }
 }
 

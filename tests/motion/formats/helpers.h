@@ -12,9 +12,9 @@
 #include "common/files.h"
 #include "common/json.h"
 #include "common/random.h"
+#include "common/temporary_folder.h"
 #include "motion/clip.h"
 #include "support/refusal.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "common/json.h"
+#include "common/temporary_folder.h"
 #include "motion/formats/retarget.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
@@ -58,8 +59,6 @@ class RetargetReference : public testing::Test {
   void SetUp() override {
     if (!fs::exists(kData + "/formats/expected.json"))
       GTEST_SKIP() << "no " << kData << "/formats/expected.json";
-    directory_ = fs::path(testing::TempDir()) / "mocaplm_reference";
-    fs::create_directories(directory_);
     samples_ = samples();
     for (const char* archive : kArchives) {
       std::string members;
@@ -67,14 +66,13 @@ class RetargetReference : public testing::Test {
         if (sample.source.find(archive) == 0 && members.find(sample.source) == members.npos)
           members += " " + sample.source;
       const std::string command = "tar -xf '" + kData + "/" + archive + "-bvh.tar.xz' -C '" +
-                                  directory_.string() + "'" + members + " 2> /dev/null";
+                                  directory_.path().string() + "'" + members + " 2> /dev/null";
       if (std::system(command.c_str()) != 0)
         GTEST_SKIP() << "cannot unpack " << archive << " (needs tar and xz)";
     }
   }
-  void TearDown() override { fs::remove_all(directory_); }
 
-  fs::path directory_;
+  TemporaryFolder directory_;
   std::vector<Sample> samples_;
 };
 

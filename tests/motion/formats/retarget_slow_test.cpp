@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "common/temporary_folder.h"
 #include "motion/formats/retarget.h"
 
 namespace mocaplm {
@@ -14,17 +15,16 @@ namespace fs = std::filesystem;
 TEST(RetargetSlow, LimbDirectionsOfAllFiles) {
   const std::string data = std::string(MOCAPLM_SOURCE_DIR) + "/../shared/data";
   if (!fs::exists(data)) GTEST_SKIP() << "no " << data;
-  const fs::path directory = fs::path(testing::TempDir()) / "mocaplm_all_bvh";
-  fs::create_directories(directory);
+  const TemporaryFolder directory;
   for (const char* archive : {"cmu-dance", "bandai-1", "bandai-2"}) {
     const std::string command = "tar -xf '" + data + "/" + archive + "-bvh.tar.xz' -C '" +
-                                directory.string() + "' 2> /dev/null";
+                                directory.path().string() + "' 2> /dev/null";
     if (std::system(command.c_str()) != 0)
       GTEST_SKIP() << "cannot unpack " << archive << " (needs tar and xz)";
   }
   int files = 0;
   double sum = 0, worst = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(directory)) {
+  for (const auto& entry : fs::recursive_directory_iterator(directory.path())) {
     if (entry.path().extension() != ".bvh") continue;
     RetargetReport report;
     const Clip clip = read_bvh_clip(entry.path(), {}, &report);
@@ -35,7 +35,6 @@ TEST(RetargetSlow, LimbDirectionsOfAllFiles) {
     worst = std::max(worst, report.max_degrees);
     ++files;
   }
-  fs::remove_all(directory);
   EXPECT_EQ(files, 1087);
   std::cout << files << " files: mean " << sum / files << ", max " << worst << " degrees\n";
 }

@@ -5,11 +5,11 @@
 #include <set>
 
 #include "common/error.h"
+#include "common/temporary_folder.h"
 #include "spectral/interpolate/interpolate.h"
 #include "spectral/measures.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
-#include "temporary_folder.h"
 
 namespace mocaplm {
 namespace {
