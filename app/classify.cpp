@@ -27,7 +27,7 @@ void run_classify(const CLI::App& app, const ClassifyCommand& command) {
   check_writable(command.json);
   if (!command.clips.empty()) {
     refuse_options_except(app,
-                          {"--model", "clips", "--json", "--precision", "--device", "--threads"},
+                          {"--model", "CLIP", "--json", "--precision", "--device", "--threads"},
                           " cannot be given with clips: a kept classifier tells their labels, and "
                           "is trained without them (--data DATASET)");
     print_table(predict_table({train.model, command.clips, train.config.precision, train.device,
@@ -60,7 +60,7 @@ void add_classify(CLI::App& app) {
       ->add_option("--model", train.model,
                    "pre-trained model or training run folder; for clips a kept classifier")
       ->required();
-  classify->add_option("clips", command->clips,
+  classify->add_option("CLIP", command->clips,
                        "clips (.npz, .pkl, .bvh) that a kept classifier tells the labels of");
   classify->add_option("--data", train.data, "labelled dataset folder to train and test on");
   classify->add_option("--out", train.out, "keep the classifier and its tables in this folder");

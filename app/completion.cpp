@@ -14,9 +14,6 @@ namespace mocaplm {
 
 namespace {
 
-const std::vector<std::string> kEndings = {"npz",  "pkl", "bvh", "glb", "csv", "json",
-                                           "html", "svg", "txt", "gif", "mp4", "png"};
-
 bool has_word(const std::string& text, const std::string& word) {
   return text.find(word) != std::string::npos;
 }
@@ -113,15 +110,13 @@ complete -F _mocaplm mocaplm
 
 FileKind file_kind(const DeclaredOption& option) {
   FileKind kind;
-  if (option.value != "TEXT" || !option.choices.empty()) return kind;
-  for (const std::string& ending : kEndings)
-    if (has_word(option.help, "." + ending)) kind.endings.push_back(ending);
+  kind.folders = option.value == "FOLDER";
+  kind.any =
+      kind.folders || option.value == "FILE" || option.value == "PATH" || option.value == "OUT";
+  if (!kind.any || kind.folders) return kind;
   const std::string name = option.names.empty() ? "" : option.names.front();
-  if (kind.endings.empty() && (name == "--json" || name == "--config")) kind.endings = {"json"};
-  const bool folder = has_word(option.help, "folder"),
-             file = has_word(option.help, "file") || name == "--out" || option.names.empty();
-  kind.any = !kind.endings.empty() || folder || file;
-  kind.folders = kind.endings.empty() && folder && !has_word(option.help, "file");
+  const bool json = name == "--json" || name == "--config" || has_word(option.help, "JSON map");
+  kind.endings = json ? std::vector<std::string>{"json"} : endings_in(option.help);
   return kind;
 }
 
@@ -147,7 +142,8 @@ std::string bash_completion(const std::vector<DeclaredCommand>& commands) {
 }
 
 void add_completion(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("completion", "print a script that completes in a shell");
+  CLI::App* command =
+      app.add_subcommand("completion", "print a script that completes commands in bash or zsh");
   const auto shell = std::make_shared<std::string>();
   command->add_option("SHELL", *shell, "the shell")->required()->check(one_of({"bash", "zsh"}));
   command->callback([&app, shell] {

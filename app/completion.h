@@ -15,7 +15,7 @@ struct FileKind {
   bool folders = false;              // only folders
   std::vector<std::string> endings;  // "npz"; none: all files
 };
-// As its help says: endings that it names, "folder", "file".
+// By the name of its value, and the endings that its help names.
 FileKind file_kind(const DeclaredOption& option);
 
 // Scripts that a shell sources.

@@ -35,12 +35,13 @@ void add_convert(CLI::App& app) {
   const auto command = std::make_shared<ConvertCommand>();
   ConvertJob& job = command->job;
   convert
-      ->add_option("CLIP OUT", command->names,
+      ->add_option("CLIP... OUT", command->names,
                    "motion files (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds), or dataset "
                    "folders; last the file to write, or with --to a folder")
       ->required();
   bind_options(*convert, job.config);
   convert->add_option("--clip", job.clips, "these clips of the dataset folders (default: all)")
+      ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);  // what follows is a motion again
   add_read_options(*convert, job.read);

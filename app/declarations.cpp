@@ -27,30 +27,45 @@ std::string range_in(const std::string& type) {
   return at == std::string::npos ? "" : range.replace(at, 3, " to ");
 }
 
-std::string value_name(const std::string& type) {
+// What a text is, as the option's help says it to the user.
+std::string text_name(const DeclaredOption& option) {
+  const auto says = [&](const char* word) { return option.help.find(word) != std::string::npos; };
+  const std::string name = option.names.empty() ? "" : option.names.front();
+  if (says("OUT.") || says("stem of")) return "OUT";
+  const bool folder = says("folder"),
+             file = says("file") || !endings_in(option.help).empty() || name == "--json";
+  if (folder && file) return "PATH";
+  return folder ? "FOLDER" : file ? "FILE" : "TEXT";
+}
+
+// "TEXT" is CLI11's; any other name the command gave it, by type_name.
+std::string value_name(const std::string& type, const DeclaredOption& option) {
   const std::string kind = type.substr(0, type.find(':'));
   if (kind == "INT" || kind == "UINT") return "N";
-  return kind == "FLOAT" ? "X" : "TEXT";
+  if (kind == "FLOAT") return "X";
+  if (!option.choices.empty()) return "NAME";
+  return kind == "TEXT" ? text_name(option) : kind;
 }
 
 DeclaredOption declared(const CLI::Option& option, const std::string& group) {
   DeclaredOption d;
   for (const std::string& name : option.get_snames()) d.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) d.names.push_back("--" + name);
+  d.many = option.get_expected_max() >= CLI::detail::expected_max_vector_size;
   if (d.names.empty()) d.place = option.get_name(true);
+  if (d.names.empty() && d.many && d.place.find("...") == std::string::npos) d.place += "...";
+  d.help = option.get_description();
   const std::string type = option.get_type_name();
   if (option.get_type_size() != 0 && option.get_expected_max() != 0) {  // no flag
-    d.value = value_name(type);
     d.choices = choices_in(type);
     d.range = range_in(type);
+    d.value = value_name(type, d);
   }
   d.initial = option.get_default_str();
   if (d.initial.size() > 1 && d.initial.front() == '[' && d.initial.back() == ']')
     d.initial = join(split(d.initial.substr(1, d.initial.size() - 2), ','), ", ");
-  d.help = option.get_description();
   d.group = group;
   d.required = option.get_required();
-  d.many = option.get_expected_max() >= CLI::detail::expected_max_vector_size;
   return d;
 }
 
@@ -67,6 +82,14 @@ void add_options(const CLI::App& app, const std::string& group,
 }
 
 }  // namespace
+
+std::vector<std::string> endings_in(const std::string& help) {
+  std::vector<std::string> found;
+  for (const char* ending :
+       {"npz", "pkl", "bvh", "glb", "csv", "json", "html", "svg", "txt", "gif", "mp4", "png"})
+    if (help.find(std::string(".") + ending) != std::string::npos) found.push_back(ending);
+  return found;
+}
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App* one) { return !one->get_name().empty(); });
@@ -97,10 +120,8 @@ std::string DeclaredCommand::usage() const {
       words += " " + option.names.front() + (option.value.empty() ? "" : " " + option.value);
   words += parts.empty() ? " [OPTIONS]" : " " + join(parts, "|") + " [OPTIONS]";
   for (const DeclaredOption& option : options)
-    if (option.names.empty()) {
-      const std::string place = option.place + (option.many ? "..." : "");
-      words += " " + (option.required ? place : "[" + place + "]");
-    }
+    if (option.names.empty())
+      words += " " + (option.required ? option.place : "[" + option.place + "]");
   return words;
 }
 

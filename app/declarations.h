@@ -14,8 +14,10 @@ namespace mocaplm {
 struct DeclaredOption {
   std::vector<std::string>
       names;          // "--k", "-k", of a flag also "--no-k"; none: a word in its place
-  std::string place;  // of such a word: "CLIP"
-  std::string value;  // what it takes: "TEXT", "N", "X"; "" for a flag
+  std::string place;  // of such a word: "CLIP", "CLIP..." of many
+  // What it takes: "N" and "X" are numbers, "NAME" one of its choices, "FILE", "FOLDER", "PATH"
+  // (one of both), "OUT" the beginning of names of files, "TEXT" others; "" for a flag.
+  std::string value;
   std::vector<std::string> choices;
   std::string range;    // "1 to 96"
   std::string initial;  // the default
@@ -34,9 +36,12 @@ struct DeclaredCommand {
   std::vector<std::string> parts;  // commands of its own: "fit"
   std::vector<Example> examples;
 
-  // "mocaplm generate --model TEXT [OPTIONS]"
+  // "mocaplm generate --model FOLDER [OPTIONS]"
   std::string usage() const;
 };
+
+// Endings of files that a help text names: "npz".
+std::vector<std::string> endings_in(const std::string& help);
 
 // The commands of a command, hidden ones too. (CLI11 keeps groups of options as commands without a
 // name, and a hidden command is in no group.)

@@ -1,6 +1,7 @@
 #include "app/described.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "app/described_parts.h"
@@ -33,6 +34,7 @@ void add_floor_rows(Table& table, const Clip& clip) {
   double lowest = 1e9;
   for (Eigen::Index t = 0; t < clip.frames(); ++t) {
     const JointPositions joints = joint_positions(clip, t);
+    // Ankles and feet.
     lowest = std::min({lowest, joints(7, 1), joints(8, 1), joints(10, 1), joints(11, 1)});
   }
   double way = 0;
@@ -60,7 +62,7 @@ std::vector<Table> describe_clip(const fs::path& path) {
   if (!retarget.scheme.empty()) {
     table.row({"skeleton", retarget.scheme});
     table.row(
-        {"limb directions off by", format_number(retarget.mean_degrees) + " degrees on average"});
+        {"limb directions off by", format_fixed(retarget.mean_degrees, 1) + " degrees on average"});
     if (!retarget.unmatched.empty())
       table.row({"SMPL joints without a source", join(retarget.unmatched, ", ")});
   }
@@ -167,9 +169,11 @@ std::vector<Table> describe_folder(const fs::path& path) {
     return tables;
   }
   if (fs::exists(path / "tokenizer.json")) return describe_tokenizer(path / "tokenizer.json");
+  if (const std::vector<Table> recordings = describe_recordings(path); !recordings.empty())
+    return recordings;
   throw DataError(in_file(path.string()),
                   "is neither a dataset (with a dataset.json) nor a model or training run (with a "
-                  "config.json), an experiment or a demo");
+                  "config.json), an experiment, a demo or a folder of motion files");
 }
 
 using Describe = std::vector<Table> (*)(const fs::path&);
@@ -178,7 +182,7 @@ using Describe = std::vector<Table> (*)(const fs::path&);
 Describe describer_of(const std::string& ending) {
   static const std::map<std::string, Describe> all = {
       {".html", describe_page},    {".svg", describe_picture},
-      {".txt", describe_corpus},   {".csv", describe_recordings},
+      {".txt", describe_corpus},   {".csv", describe_csv},
       {".jsonl", describe_lines},  {".index", describe_index},
       {".model", describe_pieces}, {".safetensors", describe_safetensors},
       {".glb", describe_glb},      {".png", describe_film},

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <map>
+#include <system_error>
 
 #include "app/between.h"
 #include "app/described_parts.h"
@@ -6,6 +8,7 @@
 #include "common/error.h"
 #include "common/files.h"
 #include "common/text.h"
+#include "motion/formats/formats.h"
 #include "spectral/index.h"
 #include "tokenizer/corpus.h"
 
@@ -70,9 +73,27 @@ std::vector<Table> describe_corpus(const fs::path& file) {
   return {table};
 }
 
-std::vector<Table> describe_recordings(const fs::path& file) {
+std::vector<Table> describe_recordings(const fs::path& folder) {
+  constexpr int kMost = 100000;  // a whole disk would take minutes
+  std::map<std::string, std::size_t> counts;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied,
+                                         error);
+  int seen = 0;
+  for (; !error && entry != fs::recursive_directory_iterator() && seen < kMost;
+       entry.increment(error), ++seen)
+    if (is_motion_file(entry->path())) ++counts[lower(entry->path().extension().string())];
+  if (counts.empty()) return {};
+  Table table(folder.string(), {"folder of motion files", "files"});
+  for (const auto& [ending, count] : counts) table.row({ending, count});
+  if (seen == kMost) table.note("There is more: only 100,000 files and folders were looked at.");
+  table.note("mocaplm import " + folder.string() + " --out data makes a dataset of them.");
+  return {table};
+}
+
+std::vector<Table> describe_csv(const fs::path& file) {
   const Csv csv = read_csv(file);
-  Table table(file.string(), {"table of numbers (CSV)", "value"});
+  Table table(file.string(), {"table (CSV)", "value"});
   table.row({"columns", value_text(csv.columns)});
   table.row({"rows", csv.rows.size()});
   if (csv.find("time") >= 0) table.note("Trajectories over time: input of mocaplm gesture.");

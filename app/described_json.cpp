@@ -96,9 +96,15 @@ Table describe_table(const std::string& place, const Json& json) {
 
 Table describe_settings(const fs::path& file, const Json& json) {
   Table table(file.string(), {"settings for train --config", "given"});
-  for (const auto& section : json.items())
-    table.row({section.key(),
-               section.value().is_object() ? Json(section.value().dump()) : section.value()});
+  for (const auto& section : json.items()) {
+    if (!section.value().is_object()) {
+      table.row({section.key(), section.value()});
+      continue;
+    }
+    for (const auto& setting : section.value().items())
+      table.row({section.key() + "." + setting.key(),
+                 setting.value().is_array() ? Json(setting.value().dump()) : setting.value()});
+  }
   table.note("All others are at their defaults, see docs/settings.md.");
   return table;
 }

@@ -60,9 +60,11 @@ std::string text_of(const Json& json, const char* key) {
 }
 
 std::string value_text(std::vector<std::string> values) {
+  constexpr std::size_t kMost = 24;  // all of SMPL's joints
   const std::size_t count = values.size();
-  if (count > 12) values.resize(12);
-  return std::to_string(count) + ": " + join(values, ", ") + (count > 12 ? ", ..." : "");
+  if (count == 0) return "none";
+  if (count > kMost) values.resize(kMost);
+  return std::to_string(count) + ": " + join(values, ", ") + (count > kMost ? ", ..." : "");
 }
 
 std::vector<Table> describe_model(const fs::path& path) {

@@ -10,7 +10,7 @@
 
 namespace mocaplm {
 
-// "3: a, b, c", of more than twelve the first.
+// "3: a, b, c", of more than 24 the first; "none".
 std::string value_text(std::vector<std::string> values);
 // The value of a key of an object, or 0 and "" where it is none such.
 double number_of(const Json& json, const char* key);
@@ -28,11 +28,14 @@ std::vector<Table> describe_pieces(const std::filesystem::path& file);
 // JSON that no reader of the libraries takes: told by its keys.
 std::vector<Table> describe_json(const std::filesystem::path& file, const Json& json);
 
-// Pages, pictures, texts, recordings, indexes, by their endings.
+// Motion files below a folder that is nothing else, by their endings; nothing where there are none.
+std::vector<Table> describe_recordings(const std::filesystem::path& folder);
+
+// Pages, pictures, texts, tables, indexes, by their endings.
 std::vector<Table> describe_page(const std::filesystem::path& file);
 std::vector<Table> describe_picture(const std::filesystem::path& file);
 std::vector<Table> describe_corpus(const std::filesystem::path& file);
-std::vector<Table> describe_recordings(const std::filesystem::path& file);
+std::vector<Table> describe_csv(const std::filesystem::path& file);
 std::vector<Table> describe_lines(const std::filesystem::path& file);
 std::vector<Table> describe_index(const std::filesystem::path& file);
 

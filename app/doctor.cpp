@@ -136,11 +136,12 @@ void run_doctor(const DoctorCommand& command) {
 }  // namespace
 
 void add_doctor(CLI::App& app) {
-  CLI::App* doctor =
-      app.add_subcommand("doctor", "say what is installed, what is missing, how fast it is");
+  CLI::App* doctor = app.add_subcommand(
+      "doctor", "say what is installed, what is missing, how fast this machine is");
   const auto command = std::make_shared<DoctorCommand>();
   doctor
-      ->add_option("--seconds", command->seconds, "time to measure the speed in, 0 for not at all")
+      ->add_option("--seconds", command->seconds,
+                   "seconds to measure the speed for, 0 for not at all")
       ->check(CLI::Range(0.0, 600.0))
       ->check(BindOptions::finite())
       ->capture_default_str();

@@ -28,17 +28,17 @@ void run(const ExperimentCommand& command) {
 
 void add_experiment(CLI::App& app) {
   CLI::App* experiment = app.add_subcommand(
-      "experiment", "train and test the rows of a table; goes on where it was cut off");
+      "experiment", "train and test the rows of a table; go on where it was cut off");
   auto command = std::make_shared<ExperimentCommand>();
   ExperimentOptions& options = command->options;
   experiment
-      ->add_option("file", command->file, "what to compare, e.g. configs/thesis/table-4-4.json")
+      ->add_option("FILE", command->file, "what to compare, e.g. configs/thesis/table-4-4.json")
       ->required();
   experiment->add_option("--data", options.data, "dataset folder that every row is tested on")
       ->required();
   experiment->add_option("--other-data", options.other_data,
                          "dataset folder of the rows that are pre-trained on another one");
-  experiment->add_option("--out", options.out, "folder of the runs and of table.json")->required();
+  experiment->add_option("--out", options.out, "folder of the runs and their table")->required();
   experiment->add_option("--split", options.split, "clips to test on")
       ->check(one_of({"validation", "test"}))
       ->capture_default_str();

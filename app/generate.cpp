@@ -102,8 +102,8 @@ void run_generate(GenerateCommand& command) {
 }  // namespace
 
 void add_generate(CLI::App& app) {
-  CLI::App* generate =
-      app.add_subcommand("generate", "generate a dance from a few joints and conditions");
+  CLI::App* generate = app.add_subcommand(
+      "generate", "continue a clip, fill in its open joints, or dance from nothing");
   auto command = std::make_shared<GenerateCommand>();
   generate->add_option("--model", command->model, "model or training run folder")->required();
   generate->add_option("--prompt", command->prompt,
@@ -118,7 +118,7 @@ void add_generate(CLI::App& app) {
                          std::string("condition: ") + label);
   generate->add_option("--label", command->labels, "any other condition, name=value")
       ->delimiter(',');
-  generate->add_option("--seconds", command->request.seconds, "length")
+  generate->add_option("--seconds", command->request.seconds, "length of what is generated")
       ->check(CLI::Range(0.05, 3600.0))
       ->check(BindOptions::finite())
       ->capture_default_str();
@@ -144,7 +144,7 @@ void add_generate(CLI::App& app) {
       ->check(one_of(precision_names()))
       ->capture_default_str();
   generate->add_option("--stream", command->stream,
-                       "write each frame as a line of JSON as soon as it is there; - for the "
+                       "file for the frames, a line of JSON each as soon as it is there; - for the "
                        "terminal or a pipe");
   add_threads_option(*generate, command->threads);
   add_json_option(*generate, command->json);

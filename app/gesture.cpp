@@ -106,8 +106,8 @@ std::shared_ptr<FitCommand> add_input(CLI::App& app) {
 }  // namespace
 
 void add_gesture(CLI::App& app) {
-  CLI::App* gesture =
-      app.add_subcommand("gesture", "learn movements from demonstrations, for other boundaries");
+  CLI::App* gesture = app.add_subcommand(
+      "gesture", "learn movements from demonstrations; make them between new ends");
   gesture->require_subcommand(1);
   CLI::App* fit = gesture->add_subcommand("fit", "make a model of demonstrated movements");
   const auto fitting = add_input(*fit);

@@ -92,7 +92,7 @@ void add_gesture_juggle(CLI::App& gesture) {
       "juggle", "the juggling task: a made-up user shows it, a model of that does it");
   auto command = std::make_shared<JuggleCommand>();
   juggle->add_option("--model", command->model,
-                     "a model of gesture fit with the phases toss, down, catch and return; "
+                     "a .json file of gesture fit with the phases toss, down, catch and return; "
                      "without it demonstrations are made up and a model is fitted");
   juggle->add_option("--write-demonstrations", command->demonstrations,
                      "the made-up demonstrations, a .csv file for gesture fit");

@@ -198,7 +198,7 @@ void add_gesture_play(CLI::App& gesture) {
         ->check(BindOptions::finite())
         ->capture_default_str();
   };
-  play->add_option("--model", command->model, "a model of gesture fit")->required();
+  play->add_option("--model", command->model, "a .json file of gesture fit")->required();
   play->add_option("--phase", command->phase,
                    "the phase to play once; without it all phases, ends and times by chance");
   numbers("--from", command->from, "where it starts (default: the demonstrations' mean)");

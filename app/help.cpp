@@ -34,7 +34,9 @@ std::string wrapped(const std::string& text, std::size_t column) {
 std::string command_line(const std::string& command) {
   constexpr std::size_t kMost = kWidth - 4;  // the spaces, and " \\" at the end
   if (command.size() + 2 <= kWidth) return command;
-  const std::size_t space = command.rfind(' ', kMost);
+  // Before an option, so that its value stays beside it.
+  const std::size_t option = command.rfind(" --", kMost);
+  const std::size_t space = option != std::string::npos ? option : command.rfind(' ', kMost);
   return command.substr(0, space) + " \\\n      " + command.substr(space + 1);
 }
 
@@ -47,8 +49,7 @@ std::string entry(const std::string& name, const std::string& text, std::size_t 
 }
 
 std::string option_entry(const DeclaredOption& option) {
-  std::string name =
-      option.names.empty() ? option.place + (option.many ? "..." : "") : join(option.names, ", ");
+  std::string name = option.names.empty() ? option.place : join(option.names, ", ");
   if (!option.names.empty() && !option.value.empty())
     name += " " + option.value + (option.many ? "..." : "");
   const std::string limits = option.limits();
@@ -70,7 +71,7 @@ std::string command_page(const CLI::App& app, const std::string& full_name) {
   std::string page = "Usage: " + wrapped(command.usage(), 7) + "\n\n" +
                      wrapped(capitalised(command.help) + ".", 0) + "\n";
   for (const std::string& part : command.parts)
-    page += (part == command.parts.front() ? "\nCommands:\n" : "") +
+    page += (part == command.parts.front() ? "\nCommands\n" : "") +
             entry(part, find_command(app, part)->get_description(), 16);
   std::string group = "\n";
   for (const DeclaredOption& option : command.options) {

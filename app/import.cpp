@@ -58,6 +58,11 @@ void add_import(CLI::App& app) {
       ->required();
   command->add_option("--out", state->out, "folder of the dataset")->required();
   bind_options(*command, state->config);
+  // Help and completion would take them for files, by their words.
+  command->get_option("--label-from-dir")->type_name("LABEL");
+  command->get_option("--label-regex")->type_name("REGEX");
+  command->get_option("--group")->type_name("REGEX|FILE");
+  command->get_option("--map")->type_name("FILE");
   CLI::Option* append =
       command->add_flag("--append", state->append, "add to the dataset that is there");
   command->add_flag("--overwrite", state->overwrite, "replace the dataset that is there")

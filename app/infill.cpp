@@ -95,7 +95,7 @@ void add_infill(CLI::App& app) {
   auto command = std::make_shared<InfillCommand>();
   InfillOptions& options = command->options;
   infill->add_option("--model", options.model, "masked model or training run folder")->required();
-  infill->add_option("clip", command->clip, "clip (.npz, .pkl, .bvh)")->required();
+  infill->add_option("CLIP", command->clip, "clip (.npz, .pkl, .bvh)")->required();
   infill
       ->add_option("--joints", command->joints,
                    "missing joints or groups, e.g. left_arm; without it all and the root's path")

@@ -28,10 +28,11 @@ std::string option_text(const DeclaredOption& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.names) names.push_back("\\fB" + escaped(name) + "\\fR");
   std::string head = join(names, ", ");
-  const std::string value = option.names.empty() ? option.place : option.value;
-  if (!value.empty())
-    head +=
-        (head.empty() ? "" : " ") + ("\\fI" + escaped(value)) + "\\fR" + (option.many ? "..." : "");
+  const std::string value = option.value + (option.many ? "..." : "");
+  if (option.names.empty())
+    head = "\\fI" + escaped(option.place) + "\\fR";
+  else if (!option.value.empty())
+    head += " \\fI" + escaped(value) + "\\fR";
   const std::string limits = option.limits();
   return ".TP\n" + head + "\n" +
          escaped(option.help + (limits.empty() ? "" : " (" + limits + ")") +
@@ -44,7 +45,7 @@ std::string command_text(const DeclaredCommand& command) {
                      ".\n.PP\n.B " + escaped(command.usage()) + "\n";
   std::string group;
   for (const DeclaredOption& option : command.options) {
-    if (!option.names.empty() && option.names.front() == "--help") continue;
+    if (!option.names.empty() && option.names.back() == "--help") continue;
     if (option.group != group) text += ".PP\n" + escaped(option.group) + ":\n";
     group = option.group;
     text += option_text(option);

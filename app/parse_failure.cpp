@@ -1,7 +1,11 @@
 #include "app/parse_failure.h"
 
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <vector>
 
+#include "app/between.h"
 #include "app/declarations.h"
 #include "common/suggest.h"
 #include "common/text.h"
@@ -54,6 +58,45 @@ std::string unknown_option(const CLI::App& app) {
   return "";
 }
 
+// What an option takes, in words.
+std::string taken(const DeclaredOption& option) {
+  if (!option.choices.empty()) return "one of " + join(option.choices, ", ");
+  if (option.value.empty()) return "true or false";
+  if (option.value != "N" && option.value != "X") return option.value;
+  const std::string number = option.value == "N" ? "whole number" : "number";
+  return (option.many ? "a list of " + number + "s" : "a " + number) +
+         (option.range.empty() ? "" : " from " + option.range);
+}
+
+// What the parser says of an option's value, with CLI11's types and rounded limits put in words.
+std::string value_failure(const DeclaredCommand& command, const std::string& said) {
+  const std::string unread = "Could not convert: ";
+  const bool is_unread = said.rfind(unread, 0) == 0;
+  const std::string name =
+      is_unread ? between(said, unread, " = ") : said.substr(0, said.find(": "));
+  const auto option =
+      std::find_if(command.options.begin(), command.options.end(), [&](const DeclaredOption& one) {
+        return std::find(one.names.begin(), one.names.end(), name) != one.names.end();
+      });
+  if (option == command.options.end()) return said;
+  if (said.find(" required ") != std::string::npos && said.find(" missing") != std::string::npos)
+    return name + " needs a value: " + taken(*option);
+  if (said.find(": At Most 1 ") != std::string::npos) return name + " can be given only once";
+  std::string given = between(said, ": Value ", " not in range");
+  if (given.empty()) given = between(said, ": Check ", " value in ");
+  if (is_unread) given = said.substr(said.find(" = ") + 3);
+  return given.empty() ? said : name + ": \"" + given + "\" is not " + taken(*option);
+}
+
+// The nearest long name to an option that there is not; the very name where only a hyphen lacks.
+std::string nearest_option(const CLI::App& app, const std::string& option) {
+  std::vector<std::string> names;
+  add_option_names(app, names);
+  const std::string bare = option.substr(option.find_first_not_of('-'));
+  if (std::find(names.begin(), names.end(), bare) != names.end()) return bare;
+  return nearest_name(bare, names);
+}
+
 }  // namespace
 
 std::string parse_failure(const CLI::App& app, int argc, char** argv,
@@ -61,19 +104,26 @@ std::string parse_failure(const CLI::App& app, int argc, char** argv,
   const Named named = named_command(app, argc, argv);
   const std::string more = "\nTry '" + named.words + " --help'.";
   const std::vector<std::string> commands = command_names(*named.app);
-  if (!named.unknown.empty())
-    return "there is no command \"" + named.unknown + "\"" + did_you_mean(named.unknown, commands) +
-           " (commands: " + join(commands, ", ") + ")" + more;
+  if (!named.unknown.empty()) {
+    const std::string near = did_you_mean(named.unknown, commands);
+    std::error_code error_code;
+    if (named.app == &app && near.empty() && std::filesystem::exists(named.unknown, error_code))
+      return "\"" + named.unknown +
+             "\" is no command but a file or folder; mocaplm info says which" + more;
+    return "there is no command \"" + named.unknown + "\"" +
+           (near.empty() ? "; commands: " + join(commands, ", ") : near) + more;
+  }
   const std::string option = unknown_option(app);
   if (!option.empty()) {
-    std::vector<std::string> names;
-    add_option_names(*named.app, names);
-    const std::string nearest = nearest_name(option.substr(option.find_first_not_of('-')), names);
+    const std::string nearest = nearest_option(*named.app, option);
     return named.words + " has no option \"" + option + "\"" +
            (nearest.empty() ? "" : ", did you mean \"--" + nearest + "\"?") + more;
   }
   if (!commands.empty()) return "give a command: " + join(commands, ", ") + more;
-  return error.what() + more;
+  const std::vector<std::string> rest = app.remaining(true);
+  if (error.get_name() == "ExtrasError" && !rest.empty())
+    return named.words + " has no use for \"" + rest.front() + "\"" + more;
+  return value_failure(declaration(*named.app, named.words), error.what()) + more;
 }
 
 }  // namespace mocaplm

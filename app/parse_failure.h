@@ -6,8 +6,8 @@
 
 namespace mocaplm {
 
-// Names the nearest command or option where one is not known, and the command whose help tells
-// more. `app` has tried to parse the words.
+// Names the nearest command or option where one is not known, or what an option takes where its
+// value is none, and the command whose help tells more. `app` has tried to parse the words.
 std::string parse_failure(const CLI::App& app, int argc, char** argv, const CLI::ParseError& error);
 
 }  // namespace mocaplm

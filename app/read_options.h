@@ -22,7 +22,8 @@ inline void add_read_options(CLI::App& app, ReadOptions& options,
       ->transform(CLI::CheckedTransformer(std::map<std::string, UpAxis>{
           {"auto", UpAxis::automatic}, {"y", UpAxis::y}, {"z", UpAxis::z}}));
   app.add_option("--bvh-map", options.bvh_map,
-                 "JSON map for a BVH skeleton with unknown joint names");
+                 "JSON map for a BVH skeleton with unknown joint names")
+      ->type_name("FILE");
 }
 
 }  // namespace mocaplm

@@ -61,7 +61,8 @@ void add_render(CLI::App& app) {
                    "the picture (.png) or film (.mp4, .gif: made by the program ffmpeg)")
       ->required();
   bind_options(*render, command->config);
-  render->add_option("--clip", command->dataset_clip, "this clip of the dataset folder");
+  render->add_option("--clip", command->dataset_clip, "this clip of the dataset folder")
+      ->type_name("NAME");
   add_read_options(*render, command->read);
   add_threads_option(*render, command->threads, "frames drawn at a time; 0: one for each core");
   add_json_option(*render, command->json);

@@ -41,7 +41,7 @@ void add_commands_with_torch(CLI::App& app) {
   const std::pair<const char*, const char*> commands[] = {
       {"train", "pre-train or fine-tune a model on a dataset"},
       {"classify", "train and test a classifier beside simple ones, or use a kept one"},
-      {"experiment", "train and test the rows of a table; goes on where it was cut off"},
+      {"experiment", "train and test the rows of a table; go on where it was cut off"},
       {"infill", "fill missing joints or frames of a clip with a masked model"},
       {"interpolate", "change a motion until its spectral features come near another's"},
       {"demo", "do all of it on procedural dances, in minutes"}};
@@ -73,6 +73,10 @@ int run(CLI::App& app, int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text, "print version, LibTorch, instruction set");
   group_commands(app);
+  if (argc < 2) {
+    std::fputs((app.help() + "\n").c_str(), stderr);
+    return report(ExitCode::usage, "give a command");
+  }
   try {
     app.parse(argc, argv);
     return static_cast<int>(ExitCode::ok);

@@ -160,9 +160,11 @@ void add_tokenize(CLI::App& app) {
                      "write corpus.txt, one clip a line, a character a value");
   tokenize->add_option("--decode", command->decode,
                        "bring the clips of this corpus.txt back as .npz");
-  tokenize->add_option("--report", command->report,
-                       "fit and measure tokenizers, a row each: settings that change the others "
-                       "given, \"tiles:60,keep:0.1,pca:42,lapped\", or a .json list of them");
+  tokenize
+      ->add_option("--report", command->report,
+                   "fit and measure tokenizers, a row each: settings that change the others "
+                   "given, \"tiles:60,keep:0.1,pca:42,lapped\", or a .json list of them")
+      ->type_name("SETTINGS");
   tokenize->add_option("--plot", command->plot, "write the report as an .svg picture, too");
   tokenize->add_option("--page", command->page,
                        "also write a page with clips beside what their tokens say, or with the "

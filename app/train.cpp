@@ -109,7 +109,7 @@ void add_train(CLI::App& app) {
   train->add_option("--config", command->config_file, "settings file, see configs/");
   train->add_option("--data", command->options.data, "dataset folder");
   train->add_option("--out", command->options.out, "folder of the run")->required();
-  train->add_option("--from", command->from, "fine-tune this model");
+  train->add_option("--from", command->from, "model or training run folder to fine-tune");
   train->add_flag("--resume", command->options.resume, "go on with the run in --out");
   train->add_flag(
       "--range-test", command->range_test,

@@ -42,6 +42,7 @@ void add_view(CLI::App& app) {
       ->required();
   view->add_option("--out", command->out, "the page, a .html file")->required();
   view->add_option("--clip", options.clips, "show these clips of the dataset folders")
+      ->type_name("NAME")
       ->delimiter(',');
   view->add_option("--title", options.title, "the page's title (default: the clips' names)");
   view->add_option("--note", options.note, "a few words beside the title");

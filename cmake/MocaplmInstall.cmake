@@ -11,8 +11,9 @@ install(FILES ${made}/mocaplm.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-com
         COMPONENT program)
 install(FILES ${made}/_mocaplm DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT program)
 install(DIRECTORY configs DESTINATION ${CMAKE_INSTALL_DATADIR}/mocaplm COMPONENT program)
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program FILES_MATCHING PATTERN "*.md")
-install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+# Where the README's links find them.
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program FILES_MATCHING PATTERN "*.md")
+install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
 set(package_libraries common numeric motion tokenizer model generate)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/mocaplm)

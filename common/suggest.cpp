@@ -12,7 +12,7 @@ constexpr std::size_t kLongestName = 200;
 
 // Changes that are still taken for a slip: names of two letters are often one change apart.
 std::size_t forgiven_changes(std::size_t length) {
-  if (length < 4) return std::min<std::size_t>(length - 1, 1);
+  if (length < 5) return std::min<std::size_t>(length - 1, 1);
   return length < 8 ? 2 : length / 3;
 }
 

@@ -12,7 +12,7 @@ namespace mocaplm {
 std::size_t edit_distance(const std::string& a, const std::string& b);
 
 // The nearest candidate, upper and lower case alike, if so few changes are a slip of the hand: one
-// in words of up to 3 letters, two in words of up to 7, then a third of the letters. Else the only
+// in words of up to 4 letters, two in words of up to 7, then a third of the letters. Else the only
 // one that begins with the word. Else "".
 std::string nearest_name(const std::string& given, const std::vector<std::string>& candidates);
 

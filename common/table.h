@@ -18,6 +18,7 @@ class Table {
   void digits(std::vector<int> digits) { digits_ = std::move(digits); }
   void note(std::string text) { notes_.push_back(std::move(text)); }
 
+  // Lines wider than 100 characters are folded in the last column, at spaces.
   std::string text() const;
   // {"title": ..., "columns": [...], "rows": [{column: value}], "notes": [...]}
   Json json() const;

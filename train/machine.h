@@ -8,7 +8,7 @@
 namespace mocaplm {
 
 struct TrainingLibrary {
-  std::string version;   // of LibTorch, "1.13.1"
+  std::string version;   // of LibTorch, as its headers say: "1.13.0" those of Debian's 1.13.1
   bool cuda = false;     // it was built for CUDA
   int cuda_devices = 0;  // that it finds
   int threads = 0;       // of the processor

@@ -2,6 +2,7 @@
 //   continue_dance MODEL CLIP SECONDS OUT.bvh
 // OUT holds CLIP and SECONDS more.
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <string>
 
@@ -21,7 +22,7 @@ int main(int argc, char** argv) {
 
     mocaplm::GenerateRequest request;
     request.prompt = mocaplm::read_clip(argv[2]);
-    request.seconds = std::stod(argv[3]);
+    request.seconds = std::atof(argv[3]);  // 0 of what is no number, which is refused
     request.sampling.seed = 1;
     const mocaplm::Clip dance = generator.generate(request).clip;
 

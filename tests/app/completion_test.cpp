@@ -85,6 +85,12 @@ TEST_F(Completion, BashCompletesFilesByTheirEndings) {
   EXPECT_EQ(bash({"query", "--index", ""}), (Words{"data"}));  // a folder
   EXPECT_EQ(bash({"tokenize", "--tokenizer", ""}), (Words{"data", "f.json"}));
   EXPECT_EQ(bash({"view", "a.npz", "--title", ""}), (Words{}));
+  EXPECT_EQ(bash({"view", "data", "--clip", ""}), (Words{}));  // a clip's name
+  EXPECT_EQ(bash({"import", "--label-regex", ""}), (Words{}));
+  EXPECT_EQ(bash({"import", "--map", ""}), (Words{"data", "f.json"}));
+  EXPECT_EQ(bash({"gesture", "play", "--model", ""}), (Words{"data", "f.json"}));
+  if (!fs::exists(MOCAPLM_BINARY_DIR "/mocaplm-torch")) return;
+  EXPECT_EQ(bash({"train", "--from", ""}), (Words{"data"}));
 }
 
 TEST_F(Completion, BashOffersEveryOptionOfEveryCommand) {

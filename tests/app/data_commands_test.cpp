@@ -53,11 +53,11 @@ TEST_F(DataCommands, MissingAndBrokenFilesExitWithThree) {
   expect_run("info " + at("none"), 3, "none: no such file");
   fs::create_directories(folder_ / "in");
   expect_run("import " + at("in") + " --out " + at("o"), 3, "no .npz, .pkl or .bvh");
+  expect_run("info " + at("in"), 3, "neither a dataset");
   write_file(folder_ / "in" / "a.bvh", "HIERARCHY\nROOT");
   expect_run("import " + at("in") + " --out " + at("o"), 3, "nothing was written");
   expect_run("import " + at("in") + " --out " + at("o") + " --strict", 3, "a.bvh: line 2");
   expect_run("info " + at("in/a.bvh"), 3, "a.bvh: line 2");
-  expect_run("info " + at("in"), 3, "neither a dataset");
   for (const char* name : {"x.npz", "x.pkl", "x.bvh", "x.json", "dataset.json", "config.json"})
     for (const std::string& content :
          {std::string(), std::string("{"), std::string("{}"), std::string(5000, '\0'),

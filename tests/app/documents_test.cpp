@@ -11,6 +11,7 @@
 #include "app/command_line.h"
 #include "common/files.h"
 #include "common/text.h"
+#include "support/refusal.h"
 
 namespace fs = std::filesystem;
 
@@ -123,6 +124,19 @@ TEST(Documents, LinkToFilesThatAreThere) {
     for (const std::smatch& match : matches(text, link))
       EXPECT_TRUE(fs::exists(file.parent_path() / match.str(1)))
           << file << " links to " << match.str(1);
+  }
+}
+
+// A reader finds every page from the first one.
+TEST(Documents, AreListedInTheReadmeOrTheIndex) {
+  const std::string readme = read_file(kRoot / "README.md"),
+                    index = read_file(kRoot / "docs/index.md");
+  EXPECT_TRUE(contains(readme, "(docs/index.md)"));
+  for (const fs::path& file : documents()) {
+    const std::string name = file.filename().string();
+    if (file.parent_path() == kRoot || name == "index.md") continue;
+    EXPECT_TRUE(contains(readme, "(docs/" + name + ")") || contains(index, "(" + name + ")"))
+        << "neither README.md nor docs/index.md links to docs/" << name;
   }
 }
 

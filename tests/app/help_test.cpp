@@ -88,11 +88,45 @@ TEST(Help, OfEveryCommandHasTwoExamples) {
 
 TEST(Help, TellsRangesDefaultsAndWhatIsRequired) {
   const std::string synth = run_mocaplm("synth --help").text;
-  EXPECT_TRUE(contains(synth, "Usage: mocaplm synth --out TEXT [OPTIONS]")) << synth;
+  EXPECT_TRUE(contains(synth, "Usage: mocaplm synth --out FOLDER [OPTIONS]")) << synth;
   EXPECT_TRUE(contains(synth, "(1 to 3; default 3)")) << synth;
   EXPECT_TRUE(contains(run_mocaplm("filter --help").text, "(low, band; default low)"));
   EXPECT_TRUE(contains(run_mocaplm("emulate --help").text, "\n  sample "));
   EXPECT_TRUE(contains(run_mocaplm("tokenize --help").text, "--lapped, --no-lapped"));
+}
+
+// What an option takes is called by what it is, so far as the option's help says it.
+TEST(Help, NamesWhatAnOptionTakes) {
+  const auto value = [](const std::string& command, const std::string& name) -> std::string {
+    for (const Json& one : declared())
+      if (one["command"] == command)
+        for (const Json& option : one["options"])
+          for (const Json& own : option["names"])
+            if (own == name) return option["value"];
+    return "none such";
+  };
+  EXPECT_EQ(value("synth", "--seed"), "N");
+  EXPECT_EQ(value("synth", "--seconds"), "X");
+  EXPECT_EQ(value("synth", "--overwrite"), "");
+  EXPECT_EQ(value("synth", "--out"), "FOLDER");
+  EXPECT_EQ(value("synth", "--json"), "FILE");
+  EXPECT_EQ(value("import", "--label-regex"), "REGEX");
+  EXPECT_EQ(value("import", "--map"), "FILE");
+  EXPECT_EQ(value("view", "--clip"), "NAME");
+  EXPECT_EQ(value("view", "--title"), "TEXT");
+  EXPECT_EQ(value("convert", "--to"), "NAME");
+  EXPECT_EQ(value("tokenize", "--out"), "PATH");
+  EXPECT_EQ(value("tokenize", "--report"), "SETTINGS");
+  EXPECT_EQ(value("generate", "--model"), "FOLDER");
+  EXPECT_EQ(value("generate", "--stream"), "FILE");
+  EXPECT_EQ(value("generate", "--out"), "OUT");
+  EXPECT_EQ(value("filter", "--out"), "OUT");
+  EXPECT_EQ(value("gesture play", "--model"), "FILE");
+  if (!has_torch()) GTEST_SKIP() << "mocaplm-torch is not built here";
+  EXPECT_EQ(value("train", "--from"), "FOLDER");
+  EXPECT_EQ(value("train", "--config"), "FILE");
+  EXPECT_EQ(value("train", "--balance"), "TEXT");
+  EXPECT_EQ(value("experiment", "--out"), "FOLDER");
 }
 
 // Only what the parser of a command says, for the examples have no files here.
@@ -147,6 +181,7 @@ TEST(Slips, NearestCommandOptionAndValueAreNamed) {
   says("genrate", "did you mean \"generate\"?");
   says("gen", "did you mean \"generate\"?");
   says("xyz", "Try 'mocaplm --help'");
+  says("/dev/null", "mocaplm info says which");
   says("emulate smaple", "did you mean \"sample\"?");
   says("emulate", "give a command: fit, sample, test");
   says("synth --out x --dancer 2", "did you mean \"--dancers\"?");
@@ -157,9 +192,28 @@ TEST(Slips, NearestCommandOptionAndValueAreNamed) {
   says("filter x.npz --keep other", "One of: low, band");
   says("generate --model x --precision bf61", "did you mean \"bf16\"?");
   says("--hepl", "did you mean \"--help\"?");
+  says("query --index x -fps 30", "has no option \"-fps\", did you mean \"--fps\"?");
+  says("", "mocaplm import mocap/ --out data");  // the whole help
   if (!has_torch()) GTEST_SKIP() << "mocaplm-torch is not built here";
   says("train --out x --n-layers 2", "did you mean \"--n-layer\"?");
   says("train --out x --position custm", "did you mean \"custom\"?");
+}
+
+TEST(Slips, ValuesAreAskedForInWords) {
+  const auto says = [](const std::string& words, const std::string& part) {
+    const Ran ran = run_mocaplm(words);
+    EXPECT_EQ(ran.code, 2) << words << "\n" << ran.text;
+    EXPECT_TRUE(contains(ran.text, "mocaplm: " + part + "\n")) << words << "\n" << ran.text;
+  };
+  says("synth --out", "--out needs a value: FOLDER");
+  says("filter x.npz --keep=", "--keep needs a value: one of low, band");
+  says("filter x.npz --to-hz", "--to-hz needs a value: a number from 0 to 5000");
+  says("synth --out x --dancers 9", "--dancers: \"9\" is not a whole number from 1 to 3");
+  says("generate --model x --seconds -4", "--seconds: \"-4\" is not a number from 0.05 to 3600");
+  says("evaluate --data x --horizons a", "--horizons: \"a\" is not a list of numbers");
+  says("view x --out y.html --up w", "--up: \"w\" is not one of auto, y, z");
+  says("synth --out x --out y", "--out can be given only once");
+  says("synth --out x extra", "mocaplm synth has no use for \"extra\"");
 }
 
 TEST(Slips, KeysAndValuesOfSettingsFilesAreNamed) {
@@ -193,7 +247,7 @@ TEST(ManPage, NamesEveryCommandAndIsSoundRoff) {
                              page + ".txt'");
   EXPECT_EQ(read.code, 0);
   EXPECT_EQ(read.text, "");
-  EXPECT_TRUE(contains(read_file(page + ".txt"), "mocaplm generate --model TEXT [OPTIONS]"));
+  EXPECT_TRUE(contains(read_file(page + ".txt"), "mocaplm generate --model FOLDER [OPTIONS]"));
 }
 
 }  // namespace

@@ -80,11 +80,18 @@ TEST_F(InfoFiles, MotionTablesPagesAndPictures) {
   says("dances/dataset.json", {"waack"});
 }
 
+// What a newcomer has: recordings that are not imported yet.
+TEST_F(InfoFiles, FoldersOfMotionFiles) {
+  for (const char* name : {"mocap/waltz/a.bvh", "mocap/waltz/b.BVH", "mocap/c.npz", "mocap/notes"})
+    write_file(path(name), "");
+  says("mocap", {"folder of motion files", ".bvh", "2", ".npz", "mocaplm import mocap --out"});
+}
+
 TEST_F(InfoFiles, WhatConvertAndRenderWrite) {
   must("convert clip.npz clip.glb");
   says("clip.glb", {"glTF", "made by", "skins", "animation clip", "2.95 s"});
   must("convert clip.npz joints.csv");
-  says("joints.csv", {"table of numbers"});
+  says("joints.csv", {"table (CSV)"});
   must("render clip.npz --width 100 --height 80 --out clip.png");
   says("clip.png", {"picture (PNG)", "100 x 80"});
   write_file(path("moving.gif"), "GIF89a" + std::string("\x40\x01\xf0\x00", 4) + "rest");
@@ -122,7 +129,7 @@ TEST_F(InfoFiles, FilesOfOtherCommands) {
       "gesture juggle --demonstrations 20 --cycles 3 --write-demonstrations shown.csv --out "
       "juggler.json");
   says("juggler.json", {"gesture model", "phase toss", "demonstrations", "x, y"});
-  says("shown.csv", {"table of numbers", "time", "Trajectories"});
+  says("shown.csv", {"table (CSV)", "time", "Trajectories"});
   must("import dances/clips --out imported --json report.json");
   says("report.json", {"report of an import", "imported"});
 }
@@ -165,7 +172,7 @@ TEST_F(InfoFiles, ModelsAndRuns) {
 
 TEST_F(InfoFiles, SettingsAndExperiments) {
   save_json(path("small.json"), {{"model", {{"n_layer", 2}}}, {"train", {{"steps", 5}}}});
-  says("small.json", {"settings for train --config", "n_layer"});
+  says("small.json", {"settings for train --config", "model.n_layer", "train.steps"});
   save_json(path("map.json"), {{"joints", Json::object()}});
   refused("map.json", "is missing: which joint");
   save_json(path("table.json"),

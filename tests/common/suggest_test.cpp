@@ -57,6 +57,7 @@ TEST(NearestName, IsNoneWhereNothingIsNear) {
   EXPECT_EQ(nearest_name("krump", {"break", "house", "pop", "waack"}), "");
   EXPECT_EQ(nearest_name("BR", {"HO", "WA"}), "");  // short names are all near each other
   EXPECT_EQ(nearest_name("q", {"x", "y", "z"}), "");
+  EXPECT_EQ(nearest_name("fish", {"bash", "zsh"}), "");  // half of a word is no slip
   EXPECT_EQ(nearest_name("", {"a"}), "");
   EXPECT_EQ(nearest_name(std::string(1000, 'a'), {std::string(1000, 'b')}), "");
   EXPECT_EQ(did_you_mean("krump", {"house"}), "");

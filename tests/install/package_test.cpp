@@ -25,7 +25,8 @@ class Package : public TrainedRun {
 
 TEST_F(Package, HoldsTheProgramItsSettingsAndDocuments) {
   for (const char* file : {"bin/mocaplm", "bin/mocaplm-torch", "share/mocaplm/configs/small.json",
-                           "share/doc/mocaplm/README.md", "share/doc/mocaplm/tokenizers.md"})
+                           "share/doc/mocaplm/README.md", "share/doc/mocaplm/LICENSE",
+                           "share/doc/mocaplm/docs/tokenizers.md"})
     EXPECT_TRUE(fs::exists(path("prefix") / file)) << file;
   // The light program starts the other one beside it.
   const std::string program = at("prefix/bin/mocaplm");
@@ -46,6 +47,8 @@ TEST_F(Package, LetsAnotherProgramContinueADance) {
   EXPECT_EQ(dance.frames(), 80);
   EXPECT_NEAR(dance.fps, 20, 1e-4);
   EXPECT_EQ(run_shell(program + " " + at("nothing") + " x.npz 1 " + out).code, 3);
+  EXPECT_EQ(run_shell(program + " " + at("run") + " '" + a_dance().string() + "' soon " + out).code,
+            2);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ TEST(Machine, NamesTheLibrary) {
 TEST(Machine, MeasuresStepsOfAModelOfKnownSize) {
   const MachineSpeed speed = measure_training("cpu", 1, 0.1);
   EXPECT_EQ(speed.device, "cpu");
-  // The default model, configs/small.json: 4 blocks, 192 wide.
+  // The default model, configs/flat.json: 4 blocks, 192 wide.
   EXPECT_GT(speed.training.parameters, 4 * 12 * 192 * 192);
   EXPECT_LT(speed.training.parameters, 3e6);
   EXPECT_GT(speed.training.seconds_a_step, 0);
