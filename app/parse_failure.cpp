@@ -121,7 +121,7 @@ std::string parse_failure(const CLI::App& app, int argc, char** argv,
   }
   if (!commands.empty()) return "give a command: " + join(commands, ", ") + more;
   const std::vector<std::string> rest = app.remaining(true);
-  if (error.get_name() == "ExtrasError" && !rest.empty())
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) && !rest.empty())
     return named.words + " has no use for \"" + rest.front() + "\"" + more;
   return value_failure(declaration(*named.app, named.words), error.what()) + more;
 }
