@@ -13,7 +13,8 @@ namespace mocaplm {
 // {"genre=waack", ...} -> labels. Throws UsageError for a text without "=".
 Labels parse_labels(const std::vector<std::string>& texts);
 
-// STEM.npz, STEM.bvh and STEM.html; STEM may end in one of these, .glb or .csv to get only that file.
+// STEM.npz, STEM.bvh and STEM.html; STEM may end in one of these, .glb or .csv to get only that
+// file.
 std::vector<std::string> generated_files(const std::string& stem);
 
 // Writes these files; the page plays the prompt beside the dance.
