@@ -7,6 +7,7 @@
 #include "app/options.h"
 #include "app/torch_part.h"
 #include "common/files.h"
+#include "common/find_program.h"
 #include "common/text.h"
 #include "viewer/assets.h"
 

@@ -60,17 +60,6 @@ Machine this_machine() {
   return machine;
 }
 
-fs::path find_program(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  for (const std::string& folder : split(path == nullptr ? "" : path, ':')) {
-    const fs::path file = fs::path(folder) / name;
-    std::error_code error;
-    if (!folder.empty() && fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0)
-      return file;
-  }
-  return {};
-}
-
 std::string format_bytes(std::uint64_t bytes) {
   const double gibibytes = static_cast<double>(bytes) / (1 << 30);
   return gibibytes < 1 ? format_fixed(1024 * gibibytes, 0) + " MiB"

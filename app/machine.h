@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 
 namespace mocaplm {
@@ -16,9 +15,6 @@ struct Machine {
   std::uint64_t disk = 0;              // bytes free where the user stands
 };
 Machine this_machine();
-
-// A program on the PATH; empty where there is none.
-std::filesystem::path find_program(const std::string& name);
 
 // "3.2 GiB"
 std::string format_bytes(std::uint64_t bytes);

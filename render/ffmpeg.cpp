@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "common/error.h"
+#include "common/find_program.h"
 #include "common/text.h"
 
 namespace mocaplm {
@@ -43,11 +44,8 @@ std::string read_end(int file) {
 
 std::string find_ffmpeg() {
   if (const char* given = std::getenv("MOCAPLM_FFMPEG")) return given;
-  const char* path = std::getenv("PATH");
-  for (const std::string& folder : split(path ? path : "", ':')) {
-    const std::string file = folder + "/ffmpeg";
-    if (::access(file.c_str(), X_OK) == 0) return file;
-  }
+  const std::filesystem::path found = find_program("ffmpeg");
+  if (!found.empty()) return found.string();
   throw UsageError(
       ".mp4 and .gif are made by the program ffmpeg, which is not here: apt-get install ffmpeg, or "
       "name it in MOCAPLM_FFMPEG (a .png needs nothing else)");

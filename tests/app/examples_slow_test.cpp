@@ -10,6 +10,7 @@
 
 #include "app/command_line.h"
 #include "common/files.h"
+#include "common/find_program.h"
 #include "common/json.h"
 #include "common/temporary_folder.h"
 #include "common/text.h"

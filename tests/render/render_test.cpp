@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "common/find_program.h"
 #include "common/temporary_folder.h"
 #include "motion/floor.h"
 #include "motion/resample.h"

@@ -15,23 +15,17 @@
 #include <thread>
 #include <vector>
 
+#include "common/find_program.h"
 #include "common/json.h"
 #include "common/temporary_folder.h"
 
 namespace mocaplm {
 
-// $MOCAPLM_CHROMIUM or the first of the usual names on the PATH; empty when there is none.
+// $MOCAPLM_CHROMIUM or the first of the usual names that is on the PATH; empty when there is none.
 inline std::string find_browser() {
   if (const char* given = std::getenv("MOCAPLM_CHROMIUM")) return given;
-  const char* path = std::getenv("PATH");
-  for (std::string rest = path ? path : ""; !rest.empty();) {
-    const std::size_t colon = std::min(rest.find(':'), rest.size());
-    for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
-      const std::string file = rest.substr(0, colon) + "/" + name;
-      if (::access(file.c_str(), X_OK) == 0) return file;
-    }
-    rest.erase(0, colon + 1);
-  }
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
+    if (const std::string file = find_program(name); !file.empty()) return file;
   return "";
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <functional>
 
+#include "common/find_program.h"
 #include "motion/formats/formats.h"
 #include "motion/formats/helpers.h"
 #include "motion/helpers.h"
