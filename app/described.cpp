@@ -13,7 +13,6 @@
 #include "model/directory.h"
 #include "motion/formats/aist.h"
 #include "motion/formats/formats.h"
-#include "motion/formats/retarget.h"
 #include "motion/import.h"
 #include "motion/skeleton.h"
 #include "tokenizer/any_tokenizer.h"
@@ -50,8 +49,9 @@ void add_floor_rows(Table& table, const Clip& clip) {
 }
 
 std::vector<Table> describe_clip(const fs::path& path) {
-  RetargetReport retarget;
-  const Clip clip = read_clip(path, {}, &retarget);
+  ReadReport read;
+  const Clip clip = read_clip(path, {}, &read);
+  const RetargetReport& retarget = read.retarget;
   Table table(path.string(), {"motion file", lower(path.extension().string()).substr(1)});
   table.row({"frames", clip.frames()});
   table.row({"frames per second", clip.fps});

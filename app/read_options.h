@@ -1,7 +1,6 @@
 // Options of commands that read motion files whose format leaves something open.
 #pragma once
 
-#include <map>
 #include <string>
 
 #include "app/options.h"
@@ -18,9 +17,11 @@ inline void add_read_options(CLI::App& app, ReadOptions& options,
          "frame rate of the files, where their own is wrong or missing")
       ->check(CLI::Range(0.001, 10000.0))
       ->check(BindOptions::finite());
-  app.add_option("--up", options.up, "up axis of the files (default: by their format)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, UpAxis>{
-          {"auto", UpAxis::automatic}, {"y", UpAxis::y}, {"z", UpAxis::z}}));
+  app.add_option_function<std::string>(
+         "--up", [&options](const std::string& name) { options.up = up_axis_of(name); },
+         "up axis of the files (auto: by their format or their motion)")
+      ->check(one_of(up_axis_names()))
+      ->default_str("auto");
   app.add_option("--bvh-map", options.bvh_map,
                  "JSON map for a BVH skeleton with unknown joint names")
       ->type_name("FILE");

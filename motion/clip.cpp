@@ -63,6 +63,7 @@ Clip slice(const Clip& clip, Eigen::Index first, Eigen::Index count) {
   part.poses = clip.poses.middleRows(first, count);
   part.trans = clip.trans.middleRows(first, count);
   part.labels = clip.labels;
+  part.body = clip.body;
   return part;
 }
 

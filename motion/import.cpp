@@ -51,19 +51,15 @@ std::uint64_t content_hash(const Clip& clip) {
 ReadOptions read_options(const ImportConfig& config, const FileFacts& facts) {
   ReadOptions options;
   options.fps = facts.fps;
-  options.up = config.up == "y" ? UpAxis::y : config.up == "z" ? UpAxis::z : UpAxis::automatic;
+  options.up = up_axis_of(config.up);
   options.bvh_map = config.map;
+  options.drop_first = facts.drop_first;
   return options;
 }
 
 Clip read_source(const ImportConfig& config, const SourceFile& source, const FileFacts& facts,
-                 RetargetReport& report) {
+                 ReadReport& report) {
   Clip clip = read_clip(source.path, read_options(config, facts), &report);
-  if (facts.drop_first >= clip.frames())
-    throw DataError(in_file(source.path.string()),
-                    "has " + std::to_string(clip.frames()) + " frames, and the first " +
-                        std::to_string(facts.drop_first) + " are to be left out");
-  if (facts.drop_first > 0) clip = slice(clip, facts.drop_first, clip.frames() - facts.drop_first);
   if (config.align_floor) align_floor(clip);
   clip.name = source.name;
   clip.labels = facts.labels;
@@ -174,15 +170,16 @@ class Import {
 
   void read_one(std::size_t i, const fs::path& directory, std::mutex& mutex) {
     Item& item = items_[i];
-    RetargetReport retarget;
-    const Clip clip = read_source(config_, sources_[i], facts_[i], retarget);
+    ReadReport read;
+    const Clip clip = read_source(config_, sources_[i], facts_[i], read);
     item.entry.frames = clip.frames();
     item.entry.fps = clip.fps;
     item.content = content_hash(clip);
     store_clip(directory, item.entry, clip);
     item.sound = true;
     const std::lock_guard<std::mutex> lock(mutex);
-    if (!retarget.limbs.empty()) report_.limbs.add(item.entry.name, clip.frames(), retarget);
+    if (!read.retarget.limbs.empty())
+      report_.limbs.add(item.entry.name, clip.frames(), read.retarget);
   }
 
   // Everything that needs all clips: copies, splits, the list.

@@ -30,9 +30,9 @@ const std::array<int, kJoints>& mirrored_joints() {
   return mirrored;
 }
 
-const JointPositions& rest_joints() {
-  static const JointPositions rest = [] {
-    JointPositions joints(kJoints, 3);
+const RestJoints& rest_joints() {
+  static const RestJoints rest = [] {
+    RestJoints joints;
     joints << -.0018, -.2233, .0282, .0677, -.3147, .0214, -.0695, -.3138, .0239, -.0043, -.1143,
         .0015, .1020, -.6899, .0169, -.1078, -.6964, .0150, .0012, .0209, .0026, .0884, -1.0879,
         -.0268, -.0920, -1.0948, -.0273, .0027, .0738, .0280, .1148, -1.1437, .0925, -.1174,
@@ -43,6 +43,10 @@ const JointPositions& rest_joints() {
     return joints;
   }();
   return rest;
+}
+
+const RestJoints& rest_joints(const Clip& clip) {
+  return clip.body && clip.body->rest ? *clip.body->rest : rest_joints();
 }
 
 int joint_index(const std::string& name) {
@@ -103,7 +107,7 @@ std::array<Eigen::Matrix3d, kJoints> joint_world_rotations(const Clip& clip, Eig
 
 JointPositions joint_positions(const Clip& clip, Eigen::Index frame) {
   const auto world = joint_world_rotations(clip, frame);
-  const JointPositions& rest = rest_joints();
+  const RestJoints& rest = rest_joints(clip);
   JointPositions positions(kJoints, 3);
   positions.row(0) = rest.row(0) + clip.trans.row(frame);
   for (int j = 1; j < kJoints; ++j) {

@@ -22,8 +22,10 @@ const std::array<int, kJoints>& joint_parents();
 const std::array<std::string, kJoints>& joint_names();
 // The same joint on the other side of the body, itself for the spine and head.
 const std::array<int, kJoints>& mirrored_joints();
-// (24, 3) positions in the rest pose, metres.
-const JointPositions& rest_joints();
+// (24, 3) positions in the rest pose of the mean body, metres.
+const RestJoints& rest_joints();
+// The same of the clip's own body where its shape is known, else of the mean body.
+const RestJoints& rest_joints(const Clip& clip);
 
 // Index of a joint by name, or -1.
 int joint_index(const std::string& name);

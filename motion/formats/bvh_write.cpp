@@ -32,7 +32,7 @@ void append_offset(std::string& text, const std::string& indent, const Eigen::Ve
 void append_joint(std::string& text, int joint, const std::string& indent, const Lengths& lengths) {
   const auto j = static_cast<std::size_t>(joint);
   const int parent = joint_parents()[j];
-  const JointPositions& rest = rest_joints();
+  const RestJoints& rest = rest_joints();
   text += indent + (parent < 0 ? "ROOT " : "JOINT ") + joint_names()[j] + "\n" + indent + "{\n";
   const std::string inside = indent + "  ";
   const Eigen::RowVector3d origin =

@@ -82,34 +82,59 @@ Format format_of(const fs::path& path) {
   return named;
 }
 
+void drop_first(Clip& clip, std::int64_t count, const std::string& file) {
+  if (count <= 0) return;
+  if (count >= clip.frames())
+    throw DataError(in_file(file), "has " + std::to_string(clip.frames()) +
+                                       " frames, and the first " + std::to_string(count) +
+                                       " are to be left out");
+  clip = slice(clip, count, clip.frames() - count);
+}
+
 }  // namespace
 
 bool is_motion_file(const fs::path& path) {
   return is_read(by_extension(path));
 }
 
-Clip read_clip(const fs::path& path, const ReadOptions& options, RetargetReport* report) {
+std::vector<ReadMotion> read_clips(const fs::path& path, const ReadOptions& options) {
   if (options.fps && !(*options.fps > 0 && *options.fps <= 10000))
     throw UsageError("a frame rate of " + format_number(*options.fps) +
                      ", expected more than 0 and at most 10000 per second");
-  Clip clip;
+  std::vector<ReadMotion> motions(1);
+  ReadMotion& motion = motions.front();
   switch (format_of(path)) {
     case Format::npz:
-      clip = read_npz(path, options.up, options.fps);
+      motion.clip = read_npz(path, options.up, options.fps);
       break;
     case Format::pkl:
-      clip = read_aist_pkl(path, options.up, options.fps);
+      motion.clip = read_aist_pkl(path, options.up, options.fps);
       break;
     default: {
       BvhOptions bvh;
       bvh.fps = options.fps;
       bvh.map_file = options.bvh_map;
       bvh.up = options.up;
-      clip = read_bvh_clip(path, bvh, report);
+      bvh.unit = options.unit;
+      motion.clip = read_bvh_clip(path, bvh, &motion.report.retarget);
     }
   }
-  check_clip(clip, path.string());
-  return clip;
+  check_clip(motion.clip, path.string());
+  drop_first(motion.clip, options.drop_first, path.string());
+  return motions;
+}
+
+Clip read_clip(const fs::path& path, const ReadOptions& options, ReadReport* report) {
+  std::vector<ReadMotion> motions = read_clips(path, options);
+  if (motions.size() > 1) {
+    std::vector<std::string> names;
+    for (const ReadMotion& motion : motions) names.push_back(motion.clip.name);
+    throw DataError(in_file(path.string()), "holds " + std::to_string(names.size()) +
+                                                " motions (" + join(names, ", ") +
+                                                "), expected one: name one as FILE#PART");
+  }
+  if (report != nullptr) *report = std::move(motions.front().report);
+  return std::move(motions.front().clip);
 }
 
 const std::vector<std::string>& written_formats() {

@@ -10,6 +10,7 @@
 #include "motion/clip.h"
 #include "motion/formats/bvh.h"
 #include "motion/formats/retarget_map.h"
+#include "motion/formats/retarget_report.h"
 #include "motion/formats/up_axis.h"
 
 namespace mocaplm {
@@ -20,25 +21,6 @@ struct BvhOptions {
   std::optional<double>
       unit;  // metres per unit of the file; default: the map's, else from the figure's size
   UpAxis up = UpAxis::automatic;
-};
-
-// The angle between a bone of the source and the same bone of the SMPL figure after conversion,
-// degrees.
-struct LimbError {
-  std::string limb;  // "left_upper_arm", ...
-  double mean = 0, max = 0;
-  Eigen::Index worst_frame = 0;
-  Eigen::Index frames = 0;  // in which the bone has a length
-};
-
-struct RetargetReport {
-  std::string scheme;            // which naming scheme or map file
-  double unit = 0;               // metres per unit of the file
-  double height = 0;             // metres from the ankles to the head along the bones
-  std::vector<LimbError> limbs;  // upper and lower arms and legs that both figures have
-  double mean_degrees = 0;       // over those limbs and all frames
-  double max_degrees = 0;
-  std::vector<std::string> unmatched;  // SMPL joints without a source: they follow or interpolate
 };
 
 // Reads a .bvh file as a clip of SMPL's skeleton; the clip's name is the file's stem. Every frame

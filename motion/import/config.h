@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "motion/formats/up_axis.h"
+
 namespace mocaplm {
 
 struct ImportConfig {
@@ -26,7 +28,7 @@ struct ImportConfig {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.choice("up", up, {"auto", "y", "z"}, "which axis of the files points up (auto: by format)");
+    v.choice("up", up, up_axis_names(), "which axis of the files points up (auto: by format)");
     v.number("fps", fps, 0, 10000,
              "frames per second, where the files' header is wrong; 0: as they say");
     v.integer("drop_first", drop_first, 0, 1000000, "leading frames to leave out");

@@ -190,7 +190,7 @@ FootPlan plan_feet(const std::vector<PlannedStep>& steps, const Stance& stance, 
 }
 
 Eigen::Vector3d toe_to_ankle(int side) {
-  const JointPositions& rest = rest_joints();
+  const RestJoints& rest = rest_joints();
   return (rest.row(7 + side) - rest.row(10 + side)).transpose();
 }
 

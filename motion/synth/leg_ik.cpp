@@ -19,7 +19,7 @@ struct Bones {
 };
 
 Bones bones_of(int side) {
-  const JointPositions& rest = rest_joints();
+  const RestJoints& rest = rest_joints();
   const int hip = 1 + side, knee = 4 + side, ankle = 7 + side;
   return {(rest.row(knee) - rest.row(hip)).transpose(),
           (rest.row(ankle) - rest.row(knee)).transpose()};
