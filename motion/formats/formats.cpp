@@ -116,7 +116,10 @@ std::vector<ReadMotion> read_clips(const fs::path& path, const ReadOptions& opti
       bvh.map_file = options.bvh_map;
       bvh.up = options.up;
       bvh.unit = options.unit;
+      bvh.keep_path = options.keep_path;
+      bvh.write_map = options.write_map;
       motion.clip = read_bvh_clip(path, bvh, &motion.report.retarget);
+      motion.report.remarks = motion.report.retarget.remarks;
     }
   }
   check_clip(motion.clip, path.string());
@@ -129,8 +132,8 @@ Clip read_clip(const fs::path& path, const ReadOptions& options, ReadReport* rep
   if (motions.size() > 1) {
     std::vector<std::string> names;
     for (const ReadMotion& motion : motions) names.push_back(motion.clip.name);
-    throw DataError(in_file(path.string()), "holds " + std::to_string(names.size()) +
-                                                " motions (" + join(names, ", ") +
+    throw DataError(in_file(path.string()), "holds " + std::to_string(names.size()) + " motions (" +
+                                                join(names, ", ") +
                                                 "), expected one: name one as FILE#PART");
   }
   if (report != nullptr) *report = std::move(motions.front().report);

@@ -5,8 +5,12 @@
 
 #include "common/error.h"
 #include "common/text.h"
+#include "motion/formats/figure_size.h"
+#include "motion/formats/rest_pose.h"
 #include "motion/formats/retarget_map.h"
-#include "motion/formats/retarget_stance.h"
+#include "motion/formats/source_figure.h"
+#include "motion/formats/trunk.h"
+#include "motion/formats/world_turn.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 
@@ -27,10 +31,12 @@ constexpr Bone kLimbs[] = {{"left_upper_arm", 16, 18},  {"left_lower_arm", 18, 2
                            {"right_upper_arm", 17, 19}, {"right_lower_arm", 19, 21},
                            {"left_upper_leg", 1, 4},    {"left_lower_leg", 4, 7},
                            {"right_upper_leg", 2, 5},   {"right_lower_leg", 5, 8}};
-// The spine from pelvis to head: joints without a source share the turn between their neighbours.
-constexpr std::size_t kSpine[] = {0, 3, 6, 9, 12, 15};
+// SMPL's joints whose rotations turn an arm.
+constexpr int kArms[] = {16, 17, 18, 19, 20, 21};
 
-using Rotations = std::array<Eigen::Quaterniond, kJoints>;
+std::size_t index(int joint) {
+  return static_cast<std::size_t>(joint);
+}
 
 Eigen::Vector3d rest(std::size_t joint) {
   return rest_joints().row(static_cast<Eigen::Index>(joint)).transpose();
@@ -40,12 +46,19 @@ Eigen::Vector3d rest(std::size_t joint) {
 std::vector<std::size_t> with_ancestors(const Bvh& bvh, const SourceJoints& joints) {
   std::vector<bool> needed(bvh.joints.size(), false);
   for (int joint : joints)
-    for (; joint >= 0; joint = bvh.joints[static_cast<std::size_t>(joint)].parent)
-      needed[static_cast<std::size_t>(joint)] = true;
+    for (; joint >= 0; joint = bvh.joints[index(joint)].parent) needed[index(joint)] = true;
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < needed.size(); ++i)
     if (needed[i]) indices.push_back(i);
   return indices;
+}
+
+// Where the legs of the zero pose are spread to the side, as the turn about +Z that undoes it. The
+// original CMU skeleton stands with its legs 20 degrees apart, and its feet tilted with them.
+Eigen::Matrix3d undo_spread(const Eigen::Vector3d& shin) {
+  const double angle = std::atan2(shin.x(), -shin.y());
+  if (std::abs(angle) < 0.175) return Eigen::Matrix3d::Identity();  // 10 degrees: straight
+  return Eigen::AngleAxisd(-angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
 class Retargeter {
@@ -54,26 +67,42 @@ class Retargeter {
              const std::string& file)
       : bvh_(bvh),
         map_(map),
-        joints_(source_joints(bvh, map, file)),
-        needed_(with_ancestors(bvh, joints_)),
-        turn_(world_turn(bvh, map, options.up, file)),
-        turn_quaternion_(quaternion_from_matrix(turn_)),
-        from_t_pose_(from_t_pose(bvh, map, joints_, turn_, file)),
-        hands_{hand_in_t_pose(20, 18), hand_in_t_pose(21, 19)} {
-    for (std::size_t j = 0; j < kJoints; ++j)
-      from_t_pose_quaternions_[j] = quaternion_from_matrix(from_t_pose_[j]);
-    unit_ = find_unit(options);
-    const double height = figure_height(bvh_, joints_) * unit_;
-    if (!(height > 0.3 && height < 5))
-      throw DataError(in_file(file), "the figure would be " + format_number(height) +
-                                         " m tall at " + format_number(unit_) +
-                                         " m per unit; give the unit");
+        figure_(bvh, map, file),
+        needed_(with_ancestors(bvh, figure_.joints())),
+        rest_(find_rest_pose(bvh, map, figure_, file)) {
+    figure_.find_limb_ends(rest_.pose);
+    const WorldTurn world = find_world_turn(bvh, map, figure_, rest_, options.up);
+    turn_ = world.turn;
+    turn_quaternion_ = quaternion_from_matrix(turn_);
+    if (!world.remark.empty()) remarks_.push_back({"up axis", world.remark});
+    lift_ = root_offset_to_add(bvh, figure_, turn_);
+    if (lift_.y() > 0)
+      remarks_.push_back({"root offset",
+                          "the height of the root's OFFSET is added to its "
+                          "positions, without which the feet are as far under the "
+                          "floor"});
+    pose_bvh(bvh_, Eigen::Index{0}, pose_);
+    size_ = find_size(figure_.leg(pose_), figure_.height(pose_), map, options, file);
+    remarks_.insert(remarks_.end(), size_.remarks.begin(), size_.remarks.end());
+    if (rest_.source != "the zero pose")
+      remarks_.push_back({"rest pose", "rotations are counted from " + rest_.source +
+                                           ", where the figure stands; in the zero pose it does "
+                                           "not"});
+    count_from_rest();
+    hands_ = {hand_at_rest(20), hand_at_rest(21)};
+    const bool own_turns = map.scheme_spine && figure_.has(6);
+    trunk_.emplace(bvh_, figure_, rest_, turn_, map.align && !own_turns);
   }
 
-  double unit() const { return unit_; }
-  double height() const { return figure_height(bvh_, joints_) * unit_; }
+  double unit() const { return size_.unit; }
+  double path_scale() const { return size_.path; }
+  double height() const { return figure_.height(rest_.pose) * size_.unit; }
+  const std::string& rest_pose() const { return rest_.source; }
+  const std::vector<Remark>& remarks() const { return remarks_; }
   // True when the source turns this joint. A hand's joint only says where the wrist points.
-  bool has(std::size_t joint) const { return joints_[joint] >= 0 && !(map_.align && joint >= 22); }
+  bool has(std::size_t joint) const {
+    return figure_.has(static_cast<int>(joint)) && !(map_.align && joint >= 22);
+  }
   // The direction of a bone of the source in the frame last converted, in our world; not of unit
   // length.
   Eigen::Vector3d bone(const Bone& b) const { return position(b.child) - position(b.joint); }
@@ -82,38 +111,55 @@ class Retargeter {
   Eigen::Vector3d convert(Eigen::Index frame, Rotations& world) {
     pose_bvh(bvh_, frame, needed_, pose_);
     for (std::size_t j = 0; j < kJoints; ++j)
-      if (has(j))
-        world[j] =
-            turn_quaternion_ * quaternion_from_matrix(source(j)) * from_t_pose_quaternions_[j];
+      if (has(j)) world[j] = turn_quaternion_ * quaternion_from_matrix(source(j)) * from_rest_[j];
+    if (map_.align)
+      trunk_->correct_ends(pose_, world);
+    else if (!has(9))
+      world[9] = world[0];
+    trunk_->fill_spine(world);
+    trunk_->keep_direction(pose_, world);
+    if (!has(12)) world[12] = has(15) ? world[9].slerp(0.5, world[15]) : world[9];
+    if (!has(15)) world[15] = world[12];
+    for (const std::size_t j : {1, 2, 4, 5, 7, 8, 10, 11, 13, 14, 16, 17, 18, 19, 20, 21, 22, 23})
+      if (!has(j)) world[j] = world[index(joint_parents()[j])];
     if (map_.align) {
       for (const Bone& limb : kLimbs) align(limb, bone(limb), world);
       for (std::size_t side = 0; side < 2; ++side) align_wrist(side, world);
     }
-    fill_spine(world);
-    for (std::size_t j = 1; j < kJoints; ++j)
-      if (!has(j) && std::find(std::begin(kSpine), std::end(kSpine), j) == std::end(kSpine))
-        world[j] = world[static_cast<std::size_t>(joint_parents()[j])];
-    const Eigen::Vector3d hips = 0.5 * unit_ * (position(1) + position(2));
+    for (const std::size_t j : {10, 11, 18, 19, 20, 21, 22, 23})
+      if (!has(j)) world[j] = world[index(joint_parents()[j])];
+    const Eigen::Vector3d hips = 0.5 * size_.unit * size_.path * (position(1) + position(2));
     return hips - world[0] * (0.5 * (rest(1) + rest(2)) - rest(0));
   }
 
  private:
   const Eigen::Matrix3d& source(std::size_t joint) const {
-    return pose_.rotations[static_cast<std::size_t>(joints_[joint])];
+    return pose_.rotations[index(figure_.source(static_cast<int>(joint)))];
   }
   Eigen::Vector3d position(std::size_t joint) const {
-    return turn_ * pose_.positions[static_cast<std::size_t>(joints_[joint])];
+    return turn_ * figure_.at(pose_, static_cast<int>(joint)) + lift_;
   }
 
-  double find_unit(const BvhOptions& options) const {
-    if (options.unit) return *options.unit;
-    if (map_.unit) return *map_.unit;
-    const double height = figure_height(bvh_, joints_);
-    if (height < 3) return 1;  // metres
-    // The original CMU files: 1/0.45 of an inch.
-    if (height > 20 && height < 45 && (map_.scheme == "cmu" || map_.scheme == "motionbuilder"))
-      return 0.0254 / 0.45;
-    return height > 600 ? 0.001 : 0.01;
+  // For each joint the rotation with which world rotation times it is the rotation relative to
+  // SMPL's rest pose.
+  void count_from_rest() {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const int joint = figure_.source(static_cast<int>(j));
+      if (joint < 0) continue;
+      Eigen::Matrix3d from = (rest_.front * rest_.pose.rotations[index(joint)]).transpose();
+      const bool left_foot = j == 7 || j == 10, right_foot = j == 8 || j == 11;
+      if (rest_.zero && map_.align && (left_foot || right_foot))
+        from *= undo_spread(rest_.bone(figure_, left_foot ? 4 : 5, left_foot ? 7 : 8)).transpose();
+      from_rest_[j] = quaternion_from_matrix(from);
+    }
+    if (rest_.stance == Stance::t_pose || !map_.align) return;
+    // Arms that hang in the rest pose are turned there, in SMPL's terms.
+    for (const int j : kArms) {
+      const int upper = j < 20 ? j : j - 2;
+      const Eigen::Quaterniond hanging = shortest_rotation(
+          rest(index(upper + 2)) - rest(index(upper)), rest_.bone(figure_, upper, upper + 2));
+      from_rest_[index(j)] = from_rest_[index(j)] * hanging;
+    }
   }
 
   // Turns the bone's joint by the smallest rotation that brings SMPL's bone into the direction
@@ -125,46 +171,43 @@ class Retargeter {
   }
   void align_wrist(std::size_t side, Rotations& world) const {
     const Bone hand = {"", 20 + side, 22 + side};
-    align(hand, joints_[hand.child] >= 0 ? bone(hand) : world[hand.joint] * hands_[side], world);
+    if (!has(hand.joint)) return;
+    align(hand,
+          figure_.has(22 + static_cast<int>(side)) ? bone(hand) : world[hand.joint] * hands_[side],
+          world);
   }
-  // Where a hand without a joint of its own points in the T-pose: to its End Site, else straight to
-  // the side, else (the zero pose may be an A-pose) on along the forearm.
-  Eigen::Vector3d hand_in_t_pose(std::size_t wrist, std::size_t elbow) {
-    pose_bvh(bvh_, Eigen::Index{0}, pose_);
-    const Eigen::Vector3d forearm = bone({"", elbow, wrist});
-    const auto& ends = bvh_.joints[static_cast<std::size_t>(joints_[wrist])].end_sites;
-    if (!ends.empty() && ends.front().norm() > 0.01 * forearm.norm())
-      return from_t_pose_[wrist].transpose() * ends.front();
-    if (map_.t_pose != TPose::zero) return (wrist == 20 ? 1 : -1) * Eigen::Vector3d::UnitX();
-    return from_t_pose_[elbow].transpose() * source(elbow).transpose() * turn_.transpose() *
-           forearm;
-  }
-
-  // Between two joints that have a source the turn is shared equally; above the last one they
-  // follow it.
-  void fill_spine(Rotations& world) const {
-    constexpr std::size_t n = std::size(kSpine);
-    for (std::size_t i = 1, last = 0; i < n; ++i) {
-      if (has(kSpine[i])) {
-        for (std::size_t k = last + 1; k < i; ++k)
-          world[kSpine[k]] = world[kSpine[last]].slerp(
-              static_cast<double>(k - last) / static_cast<double>(i - last), world[kSpine[i]]);
-        last = i;
-      } else {
-        world[kSpine[i]] = world[kSpine[last]];
-      }
-    }
+  // Where a hand without a joint of its own points, seen from the wrist's rotation: to its fingers,
+  // else to its End Site, else on along the forearm.
+  Eigen::Vector3d hand_at_rest(int wrist) const {
+    const int joint = figure_.source(wrist);
+    if (joint < 0) return Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d forearm = rest_.bone(figure_, wrist - 2, wrist);
+    const Eigen::Matrix3d world = rest_.front * rest_.pose.rotations[index(joint)];
+    Eigen::Vector3d to = forearm;
+    double nearest = 0.5;  // the thumb points elsewhere
+    const auto offer = [&](const Eigen::Vector3d& bone) {
+      if (bone.norm() < 0.01 * forearm.norm()) return;
+      const double along = bone.normalized().dot(forearm.normalized());
+      if (along > nearest) to = bone, nearest = along;
+    };
+    for (const BvhJoint& child : bvh_.joints)
+      if (child.parent == joint) offer(world * child.offset);
+    for (const Eigen::Vector3d& site : bvh_.joints[index(joint)].end_sites) offer(world * site);
+    return from_rest_[index(wrist)].conjugate() * (world.transpose() * to);
   }
 
   const Bvh& bvh_;
   const RetargetMap& map_;
-  SourceJoints joints_;
+  SourceFigure figure_;
   std::vector<std::size_t> needed_;  // the file's joints that have a part in the result
+  RestPose rest_;
   Eigen::Matrix3d turn_;
   Eigen::Quaterniond turn_quaternion_;
-  std::array<Eigen::Matrix3d, kJoints> from_t_pose_;
-  Rotations from_t_pose_quaternions_;
-  double unit_ = 0;
+  Eigen::Vector3d lift_;
+  Rotations from_rest_;
+  FigureSize size_;
+  std::optional<Trunk> trunk_;
+  std::vector<Remark> remarks_;
   BvhPose pose_;
   std::array<Eigen::Vector3d, 2> hands_;
 };
@@ -229,6 +272,9 @@ void start(RetargetReport& report, const RetargetMap& map, const Retargeter& ret
   report.scheme = map.scheme;
   report.unit = retargeter.unit();
   report.height = retargeter.height();
+  report.path_scale = retargeter.path_scale();
+  report.rest_pose = retargeter.rest_pose();
+  report.remarks = retargeter.remarks();
   for (const Bone& limb : kLimbs) report.limbs.push_back({limb.name});
   for (std::size_t j = 0; j < kJoints; ++j)
     if (!retargeter.has(j)) report.unmatched.push_back(joint_names()[j]);
@@ -283,8 +329,8 @@ Clip retarget_bvh(const Bvh& bvh, const RetargetMap& map, const std::string& fil
 
 Clip retarget_bvh(const Bvh& bvh, const std::string& file, const BvhOptions& options,
                   RetargetReport* report) {
-  const RetargetMap map =
-      options.map_file.empty() ? detect_map(bvh, file) : load_map(options.map_file);
+  const RetargetMap map = options.map_file.empty() ? detect_map(bvh, file, options.write_map)
+                                                   : load_map(options.map_file);
   return retarget_bvh(bvh, map, file, options, report);
 }
 

@@ -20,7 +20,9 @@ struct BvhOptions {
   std::string map_file;       // a JSON map (docs/bvh-maps.md); "" = known by its joint names
   std::optional<double>
       unit;  // metres per unit of the file; default: the map's, else from the figure's size
-  UpAxis up = UpAxis::automatic;
+  UpAxis up = UpAxis::automatic;  // of the motion; the rest pose may have another
+  bool keep_path = false;         // the root's own path, not scaled by the legs
+  std::string write_map;          // where the map that is found or guessed is written; "": nowhere
 };
 
 // Reads a .bvh file as a clip of SMPL's skeleton; the clip's name is the file's stem. Every frame

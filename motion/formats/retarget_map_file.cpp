@@ -74,6 +74,13 @@ void read_t_pose(RetargetMap& map, JsonObject& object) {
 
 }  // namespace
 
+std::string map_text(const RetargetMap& map) {
+  Json joints = Json::object();
+  for (std::size_t j = 0; j < kJoints; ++j)
+    if (!map.joints[j].empty()) joints[joint_names()[j]] = map.joints[j];
+  return Json{{"joints", joints}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 RetargetMap load_map(const std::filesystem::path& path) {
   JsonObject object(load_json(path), path.string());
   RetargetMap map;

@@ -1,9 +1,11 @@
-// The naming schemes that need no map file, and how one is recognised.
+// The naming schemes that need no map file, and what is done about other names.
 #include <algorithm>
 #include <cmath>
 
 #include "common/error.h"
+#include "common/files.h"
 #include "common/text.h"
+#include "motion/formats/recognise.h"
 #include "motion/formats/retarget_map.h"
 
 namespace mocaplm {
@@ -113,7 +115,7 @@ std::size_t matched(const RetargetMap& map) {
 
 std::vector<std::string> missing(const RetargetMap& map) {
   std::vector<std::string> names;
-  for (const int j : required_joints())
+  for (const int j : {0, 1, 2, 4, 5, 7, 8, 16, 17, 18, 19, 20, 21})
     if (map.joints[static_cast<std::size_t>(j)].empty())
       names.push_back(joint_names()[static_cast<std::size_t>(j)]);
   return names;
@@ -166,7 +168,6 @@ AxesTable lafan_axes() {
 }
 
 void set_axes(RetargetMap& map, const AxesTable& table) {
-  map.t_pose = TPose::axes;
   for (int j = 0; j < kJoints; ++j) {
     const std::string& name = map.joints[static_cast<std::size_t>(j)];
     if (!name.empty()) map.axes[name] = table.of(j);
@@ -183,7 +184,7 @@ bool bones_along_x(const Bvh& bvh, const RetargetMap& map) {
   return true;
 }
 
-[[noreturn]] void fail_unknown(const Bvh& bvh, const RetargetMap& best, const std::string& file) {
+[[noreturn]] void fail_unknown(const Bvh& bvh, const std::string& doubt, const std::string& file) {
   std::vector<std::string> names;
   for (const BvhJoint& joint : bvh.joints) {
     if (names.size() == 80) break;
@@ -191,20 +192,71 @@ bool bones_along_x(const Bvh& bvh, const RetargetMap& map) {
   }
   if (bvh.joints.size() > names.size()) names.push_back("...");
   throw DataError(in_file(file),
-                  "the joints are named by no scheme that is known (nearest: " + best.scheme +
-                      ", without a match for " + join(missing(best), ", ") +
-                      "). Give a map that names them, see docs/bvh-maps.md. Joints in the file: " +
+                  "is no figure that is recognised for certain: " + doubt +
+                      ". --write-map map.json writes the best guess; correct it and give it back "
+                      "with --bvh-map map.json (docs/bvh-maps.md). Joints in the file: " +
                       join(names, ", "));
+}
+
+// Whether the bones lie as SMPL's do in its rest pose, so that its own rotations can be taken.
+bool smpl_bones(const Bvh& bvh, const RetargetMap& map) {
+  const BvhPose zero = rest_bvh(bvh);
+  for (int j = 1; j < kJoints; ++j) {
+    const std::string& name = map.joints[static_cast<std::size_t>(j)];
+    const int parent = joint_parents()[static_cast<std::size_t>(j)];
+    const std::string& above = map.joints[static_cast<std::size_t>(parent)];
+    if (name.empty() || above.empty()) continue;
+    const Eigen::Vector3d bone = zero.positions[static_cast<std::size_t>(bvh.joint(name))] -
+                                 zero.positions[static_cast<std::size_t>(bvh.joint(above))];
+    const Eigen::Vector3d ours = (rest_joints().row(j) - rest_joints().row(parent)).transpose();
+    if (bone.normalized().dot(ours.normalized()) < 0.9986) return false;  // 3 degrees
+  }
+  return true;
+}
+
+// The spine's joints as recognise_body has them, where a scheme's chest is not what the arms hang
+// from: the file has more joints than the scheme, or other ones.
+void mend_spine(const Bvh& bvh, RetargetMap& map) {
+  const auto joint = [&](int smpl) {
+    return bvh.joint(map.joints[static_cast<std::size_t>(smpl)]);
+  };
+  const int left = map.joints[13].empty() ? 16 : 13;
+  const int trunk = common_ancestor(bvh, joint(left), joint(left + 1));
+  map.scheme_spine = true;
+  if (!map.joints[9].empty() && joint(9) == trunk) return;
+  const Recognised found = recognise_body(bvh);
+  if (!found.doubt.empty()) return;
+  map.scheme_spine = false;
+  for (const int smpl : {3, 6, 9, 12})
+    map.joints[static_cast<std::size_t>(smpl)] =
+        found.joints[static_cast<std::size_t>(smpl)] < 0
+            ? ""
+            : bvh.joints[static_cast<std::size_t>(found.joints[static_cast<std::size_t>(smpl)])]
+                  .name;
+}
+
+RetargetMap recognised_map(const Bvh& bvh, const Recognised& found) {
+  RetargetMap map;
+  map.scheme = "recognised";
+  for (std::size_t j = 0; j < kJoints; ++j)
+    if (found.joints[j] >= 0)
+      map.joints[j] = bvh.joints[static_cast<std::size_t>(found.joints[j])].name;
+  return map;
+}
+
+void write_once(const RetargetMap& map, const std::string& path) {
+  std::error_code unknown;
+  if (!path.empty() && !std::filesystem::exists(path, unknown)) write_file(path, map_text(map));
 }
 
 }  // namespace
 
 const std::vector<int>& required_joints() {
-  static const std::vector<int> joints = {0, 1, 2, 4, 5, 7, 8, 16, 17, 18, 19, 20, 21};
+  static const std::vector<int> joints = {0, 1, 2, 4, 5, 16, 17, 18, 19};
   return joints;
 }
 
-RetargetMap detect_map(const Bvh& bvh, const std::string& file) {
+RetargetMap detect_map(const Bvh& bvh, const std::string& file, const std::string& write_to) {
   const auto names = simple_names(bvh);
   RetargetMap best;
   std::size_t best_score = 0;
@@ -215,21 +267,22 @@ RetargetMap detect_map(const Bvh& bvh, const std::string& file) {
     if (score > best_score) best = map;
     best_score = std::max(best_score, score);
   }
-  if (!missing(best).empty()) fail_unknown(bvh, best, file);
-  best.align = best.scheme != "smpl";  // SMPL's own rotations are taken as they are
-  if (zero_pose_stands(bvh, best)) return best;
+  if (!missing(best).empty()) {
+    const Recognised found = recognise_body(bvh);
+    best = recognised_map(bvh, found);
+    write_once(best, write_to);
+    if (!found.doubt.empty()) fail_unknown(bvh, found.doubt, file);
+    return best;
+  }
+  mend_spine(bvh, best);
+  // SMPL's own rotations are taken as they are.
+  best.align = best.scheme != "smpl" || !smpl_bones(bvh, best);
   if (best.scheme == "bandai-namco") {
     set_axes(best, bandai_axes());
-  } else if (bones_along_x(bvh, best) && best.scheme == "mixamo") {
-    best.scheme = "lafan";
+  } else if (best.scheme == "mixamo" && bones_along_x(bvh, best)) {
     set_axes(best, lafan_axes());
-  } else {
-    throw DataError(in_file(file),
-                    "has the joint names of " + best.scheme +
-                        ", but with all rotations zero the figure does not stand upright with its "
-                        "legs below its hips. Give a map that says how a T-pose is got, see "
-                        "docs/bvh-maps.md");
   }
+  write_once(best, write_to);
   return best;
 }
 

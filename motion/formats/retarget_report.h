@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "motion/formats/remark.h"
+
 namespace mocaplm {
 
 // The angle between a bone of the source and the same bone of the SMPL figure after conversion,
@@ -19,11 +21,14 @@ struct LimbError {
 struct RetargetReport {
   std::string scheme;            // which naming scheme or map file
   double unit = 0;               // metres per unit of the file
-  double height = 0;             // metres from the ankles to the head along the bones
+  double height = 0;             // metres from the soles to the top of the head, about
+  double path_scale = 1;         // the root's path was multiplied by it, so that feet stay planted
+  std::string rest_pose;         // from which pose rotations were counted: "the zero pose", ...
   std::vector<LimbError> limbs;  // upper and lower arms and legs that both figures have
   double mean_degrees = 0;       // over those limbs and all frames
   double max_degrees = 0;
   std::vector<std::string> unmatched;  // SMPL joints without a source: they follow or interpolate
+  std::vector<Remark> remarks;         // what was taken for granted
 };
 
 }  // namespace mocaplm

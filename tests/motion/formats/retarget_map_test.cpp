@@ -26,6 +26,7 @@ class RetargetMaps : public testing::Test {
     save_json(path_, map_);
     BvhOptions options;
     options.map_file = path_.string();
+    options.keep_path = true;  // hips stay where the source has them
     return options;
   }
   std::string map_error() {

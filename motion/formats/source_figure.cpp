@@ -1,0 +1,74 @@
+#include "motion/formats/source_figure.h"
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "common/error.h"
+#include "common/text.h"
+
+namespace mocaplm {
+
+namespace {
+
+std::size_t index(int joint) {
+  return static_cast<std::size_t>(joint);
+}
+
+}  // namespace
+
+SourceFigure::SourceFigure(const Bvh& bvh, const RetargetMap& map, const std::string& file)
+    : bvh_(bvh) {
+  joints_.fill(-1);
+  ends_.fill(Eigen::Vector3d::Zero());
+  std::vector<std::string> absent, unnamed;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (map.joints[j].empty()) continue;
+    joints_[j] = bvh.joint(map.joints[j]);
+    if (joints_[j] < 0) absent.push_back(map.joints[j]);
+  }
+  for (const int j : required_joints())
+    if (map.joints[index(j)].empty()) unnamed.push_back(joint_names()[index(j)]);
+  if (!absent.empty())
+    throw DataError(in_file(file), "has no joint " + join(absent, ", ") + ", which its map " +
+                                       map.scheme + " names");
+  if (!unnamed.empty())
+    throw DataError(in_file(map.scheme),
+                    "the map names no source joint for " + join(unnamed, ", "));
+  find_limb_ends(rest_bvh(bvh));
+}
+
+Eigen::Vector3d SourceFigure::at(const BvhPose& pose, int smpl) const {
+  if (has(smpl)) return pose.positions[index(source(smpl))];
+  const int before = joint_parents()[index(smpl)];
+  return pose.positions[index(source(before))] +
+         pose.rotations[index(source(before))] * ends_[index(smpl)];
+}
+
+void SourceFigure::find_limb_ends(const BvhPose& rest) {
+  for (const int end : {7, 8, 20, 21}) {
+    if (has(end)) continue;
+    const int middle = joint_parents()[index(end)], root = joint_parents()[index(middle)];
+    const Eigen::Vector3d bone = at(rest, middle) - at(rest, root);
+    const Eigen::Matrix3d& turned = rest.rotations[index(source(middle))];
+    ends_[index(end)] = turned.transpose() * bone;
+    for (const Eigen::Vector3d& site : bvh_.joints[index(source(middle))].end_sites)
+      if (site.norm() > 0.5 * bone.norm() && site.norm() < 1.5 * bone.norm())
+        ends_[index(end)] = site;
+  }
+}
+
+double SourceFigure::leg(const BvhPose& pose) const {
+  const auto bone = [&](int a, int b) { return (at(pose, a) - at(pose, b)).norm(); };
+  return 0.5 * (bone(1, 4) + bone(4, 7) + bone(2, 5) + bone(5, 8));
+}
+
+double SourceFigure::trunk(const BvhPose& pose) const {
+  return (middle(pose, 1, 2) - middle(pose, 16, 17)).norm();
+}
+
+double SourceFigure::height(const BvhPose& pose) const {
+  return 1.29 *
+         (leg(pose) + trunk(pose));  // SMPL's mean body: 1.70 m from 1.32 m of legs and trunk
+}
+
+}  // namespace mocaplm
