@@ -95,7 +95,6 @@ TEST(Pickle, RefusesEverythingThatCouldRunNamingItAndItsByte) {
   for (const auto& [opcode, name] :
        std::vector<std::pair<std::string, std::string>>{{"i", "INST"},
                                                         {"o", "OBJ"},
-                                                        {"\x81", "NEWOBJ"},
                                                         {"\x92", "NEWOBJ_EX"},
                                                         {"\x82", "EXT1"},
                                                         {"P", "PERSID"},
@@ -116,12 +115,13 @@ TEST(Pickle, RefusesEverythingThatCouldRunNamingItAndItsByte) {
       "");
   says(
       "\x80\x02"
-      "cnumpy\ndtype\nX\x01\0\0\0O\x89\x88\x87R."s,
-      "\"O\"");
+      "cnumpy\ndtype\nX\x02\0\0\0c8\x89\x88\x87R."s,
+      "expected numbers");
+  says("\x80\x04N)\x81", "byte 4: makes an object of None");
   says(
       "\x80\x02"
-      "cnumpy\ndtype\nX\x02\0\0\0O8\x89\x88\x87R."s,
-      "expected numbers");
+      "cnumpy\nndarray\n)\x81",
+      "makes an object of numpy.ndarray");
   says(
       "\x80\x02}N"
       "b.",
