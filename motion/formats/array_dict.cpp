@@ -3,6 +3,7 @@
 #include "common/files.h"
 #include "common/text.h"
 #include "motion/formats/array_dict_node.h"
+#include "motion/formats/npy.h"
 
 namespace fs = std::filesystem;
 
@@ -36,8 +37,17 @@ std::string other_format(std::string_view head) {
 ArrayDict from_bytes(std::string bytes, const std::string& file) {
   if (begins_with(bytes, "\x93NUMPY")) {
     const std::string_view pickle = pickle_of_npy(bytes);
-    if (pickle.empty())
-      throw DataError(in_file(file), "is one array without names, expected a dictionary of arrays");
+    if (pickle.empty()) {
+      const NumpyArray array = parse_npy(bytes, file);
+      const std::size_t last = array.shape.empty() ? 0 : array.shape.back();
+      throw DataError(
+          in_file(file),
+          "is one array " + shape_text(array) + " without names" +
+              (last == 263 || last == 251
+                   ? ", HumanML3D's features: keep the joint positions that they come from"
+                   : "") +
+              "; expected a dictionary of arrays");
+    }
     return pickled_dict(std::string(pickle), file);
   }
   if (!bytes.empty() && bytes[0] != '\x80') {
@@ -63,6 +73,12 @@ ArrayDict ArrayDict::open(const fs::path& path) {
       ((static_cast<unsigned char>(head[0]) << 8 | static_cast<unsigned char>(head[1])) % 31 == 0);
   if (zlib || begins_with(head, "\x1f\x8b")) bytes = inflate(bytes, file);
   return from_bytes(std::move(bytes), file);
+}
+
+bool is_dict_npy(const fs::path& path) {
+  const std::string head = read_head(path, 128);
+  return begins_with(head, "\x93NUMPY") && (head.find("'|O'") != std::string::npos ||
+                                            head.find("'O'") != std::string::npos);
 }
 
 std::vector<std::string> ArrayDict::keys() const {

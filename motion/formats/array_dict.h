@@ -45,4 +45,7 @@ class ArrayDict {
   std::shared_ptr<const Node> node_;
 };
 
+// Whether a .npy file holds a dictionary (Python objects) and not one array of numbers.
+bool is_dict_npy(const std::filesystem::path& path);
+
 }  // namespace mocaplm

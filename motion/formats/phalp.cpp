@@ -97,9 +97,9 @@ SmplRecord record_of(const std::vector<Row>& rows, const std::string& program) {
     record.remarks.push_back(
         {"changing shape", "betas change from frame to frame: their mean is taken"});
   if (gaps > 0)
-    record.remarks.push_back({"frames left out", "leaves out frames of its video in " +
-                                                     std::to_string(gaps) +
-                                                     " places: the motion jumps there"});
+    record.remarks.push_back(
+        {"frames left out", "leaves out frames of its video in " + std::to_string(gaps) +
+                                (gaps == 1 ? " place" : " places") + ": the motion jumps there"});
   return record;
 }
 

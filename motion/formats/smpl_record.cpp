@@ -4,6 +4,7 @@
 
 #include "common/text.h"
 #include "motion/formats/smpl_arrays.h"
+#include "motion/skeleton.h"
 
 namespace mocaplm {
 
@@ -40,6 +41,20 @@ void set_trans(const ArrayDict& dict, const std::string& key, SmplRecord& record
                                          " frames of poses");
 }
 
+// EDGE's figure has its root at smpl_trans itself, and full_pose (N, 24, 3) are its joints. Whether
+// those lie as SMPL's do instead.
+bool pelvis_is_beside(const ArrayDict& dict, const Eigen::RowVector3d& trans) {
+  if (!dict.has("full_pose")) return false;
+  const NumpyArray joints = dict.array("full_pose");
+  if (joints.dimensions() != 3 || joints.shape[1] != 24 || joints.shape[2] != 3 ||
+      joints.type.kind != 'f' || joints.column_major || joints.shape[0] == 0)
+    return false;
+  NumpyArray rows = joints;
+  rows.shape = {joints.shape[0] * 24, 3};
+  const Eigen::RowVector3d pelvis(rows.at(0, 0), rows.at(0, 1), rows.at(0, 2));
+  return (pelvis - trans - rest_joints().row(0)).norm() < 0.05;
+}
+
 std::optional<SmplRecord> aist_or_edge(const ArrayDict& dict) {
   if (!dict.has("smpl_poses")) return std::nullopt;
   SmplRecord record;
@@ -67,7 +82,7 @@ std::optional<SmplRecord> aist_or_edge(const ArrayDict& dict) {
   record.usual_fps = 30;
   record.up = UpAxis::z;
   record.layout = Layout::usual;
-  record.trans_is_pelvis = true;
+  record.trans_is_pelvis = !pelvis_is_beside(dict, record.trans.row(0));
   return record;
 }
 
@@ -118,7 +133,7 @@ std::optional<SmplRecord> root_and_body(const ArrayDict& dict) {
     record.up = UpAxis::z;
     record.layout = Layout::usual;
   } else {
-    record.program = "GVHMR, DART, 4D-Humans or another with these keys";
+    record.program = "GVHMR, DART, 4D-Humans and their kin";
     record.usual_fps = kVideoFps;
   }
   return record;
@@ -228,9 +243,9 @@ void check_gaps(const ArrayDict& dict, SmplRecord& record) {
   std::size_t gaps = 0;
   for (std::size_t t = 1; t < ids.rows(); ++t) gaps += ids.at(t, 0) != ids.at(t - 1, 0) + 1;
   if (gaps > 0)
-    record.remarks.push_back({"frames left out", "leaves out frames of its video in " +
-                                                     std::to_string(gaps) +
-                                                     " places: the motion jumps there"});
+    record.remarks.push_back(
+        {"frames left out", "leaves out frames of its video in " + std::to_string(gaps) +
+                                (gaps == 1 ? " place" : " places") + ": the motion jumps there"});
 }
 
 }  // namespace
