@@ -42,6 +42,14 @@ std::string key_text(const PickleValue& key) {
   return "";
 }
 
+// np.save makes an array of one object of a dictionary.
+const PickleValue& unwrapped(const PickleValue& value) {
+  const bool array = value.kind == PickleKind::list && value.built;
+  return array && value.items.size() == 1 && value.items[0]->kind == PickleKind::dictionary
+             ? *value.items[0]
+             : value;
+}
+
 class PickleNode : public ArrayDict::Node {
  public:
   PickleNode(std::shared_ptr<PickleFile> pickle, const PickleValue& value, const std::string& name)
@@ -75,10 +83,7 @@ class PickleNode : public ArrayDict::Node {
   std::optional<ArrayDict> dict(const std::string& key) const override {
     const PickleValue* value = find(key);
     if (value == nullptr) return std::nullopt;
-    // np.savez wraps a dictionary as an array of one object.
-    if (value->kind == PickleKind::list && value->items.size() == 1 &&
-        value->items[0]->kind == PickleKind::dictionary)
-      value = value->items[0];
+    value = &unwrapped(*value);
     if (value->kind != PickleKind::dictionary && value->kind != PickleKind::list &&
         value->kind != PickleKind::tuple && value->kind != PickleKind::object)
       return std::nullopt;
@@ -173,9 +178,7 @@ class PickleNode : public ArrayDict::Node {
 ArrayDict pickled_dict(std::string bytes, const std::string& file, LoadStorage load) {
   auto pickle = std::make_shared<PickleFile>(std::move(bytes), file, std::move(load));
   const PickleValue* root = &pickle->pickle.root();
-  if (root->kind == PickleKind::list && root->items.size() == 1 &&
-      root->items[0]->kind == PickleKind::dictionary)
-    root = root->items[0];
+  root = &unwrapped(*root);
   if (root->kind != PickleKind::dictionary && root->kind != PickleKind::list &&
       root->kind != PickleKind::tuple)
     throw DataError(in_file(file),

@@ -8,6 +8,8 @@
 #include "motion/formats/formats.h"
 #include "motion/formats/helpers.h"
 #include "motion/formats/npy.h"
+#include "motion/formats/npz.h"
+#include "motion/formats/smpl_files.h"
 #include "motion/formats/zip_file.h"
 #include "motion/helpers.h"
 #include "motion/skeleton.h"
@@ -120,6 +122,72 @@ TEST(SmplUp, ACameraLooksAlongZWithYDown) {
   options.up = UpAxis::minus_y;
   const JointPositions joints = joint_positions(read_clip(path, options), 0);
   EXPECT_LT((joints.row(15) - joints.row(0) - Eigen::RowVector3d(0.01, 0.58, 0.01)).norm(), 0.01);
+}
+
+bool remarked(const ReadMotion& motion, const std::string& kind) {
+  for (const Remark& remark : motion.report.remarks)
+    if (remark.kind == kind) return true;
+  return false;
+}
+
+// Whatever the layout and the axis, a standing person stands.
+TEST(SmplUp, TheMotionItselfSaysWhichAxisIsUp) {
+  const Scratch scratch;
+  const Clip walk = walker();
+  for (const std::size_t columns : {66, 72, 156, 165})
+    for (const std::string& name : up_axis_names()) {
+      if (name == "auto") continue;
+      write_zip(scratch / "a.npz", amass_entries(in_world(walk, up_axis_of(name)), columns));
+      const ReadMotion motion = read_clips(scratch / "a.npz")[0];
+      EXPECT_LT(apart(motion.clip, walk), 1e-9) << columns << " " << name;
+      const bool usual = columns == 66 || name == (columns == 72 ? "y" : "z");
+      EXPECT_EQ(remarked(motion, "up axis by the motion"), !usual) << columns << " " << name;
+    }
+}
+
+TEST(SmplUp, IsAskedForWhereNeitherLayoutNorMotionSayIt) {
+  const Scratch scratch;
+  Clip tilted = walker();
+  turn_world(tilted, matrix_from_axis_angle({0.8, 0.8, 0}));
+  for (const std::size_t columns : {66, 165}) {
+    write_zip(scratch / "a.npz", amass_entries(tilted, columns));
+    EXPECT_TRUE(contains(refusal([&] { read_clip(scratch / "a.npz"); }), "--up"));
+    ReadOptions options;
+    options.up = UpAxis::y;
+    EXPECT_LT(apart(read_clip(scratch / "a.npz", options), tilted), 1e-9);
+  }
+  // Layouts of one habit keep to it, and say that nobody could confirm it.
+  write_zip(scratch / "a.npz", amass_entries(tilted, 72));
+  EXPECT_LT(apart(read_clip(scratch / "a.npz"), tilted), 1e-9);
+  EXPECT_TRUE(remarked(read_clips(scratch / "a.npz")[0], "up axis by the layout"));
+}
+
+// Upside down on the hands, and on the back on the floor: meant as they are.
+TEST(SmplUp, HandstandsAndLyingPeopleStayAsTheyAre) {
+  const Scratch scratch;
+  Clip hands = walker();
+  for (Eigen::Index t = 0; t < hands.frames(); ++t) {
+    hands.poses(t, 3 * 16 + 2) = 1.4;
+    hands.poses(t, 3 * 17 + 2) = -1.4;
+  }
+  turn_world(hands, turn_to_y_up(UpAxis::minus_y));
+  write_zip(scratch / "a.npz", amass_entries(hands, 72));
+  EXPECT_LT(apart(read_clip(scratch / "a.npz"), hands), 1e-9);
+  Clip lying = walker();
+  turn_world(lying, turn_to_y_up(UpAxis::z));
+  lying.trans.col(1).setConstant(0.12 - rest_joints()(0, 1));
+  lying.trans.col(2).array() += 2;
+  write_zip(scratch / "a.npz", amass_entries(lying, 72));
+  EXPECT_LT(apart(read_clip(scratch / "a.npz"), lying), 1e-9);
+}
+
+TEST(SmplUp, OurOwnFilesSayIt) {
+  const Scratch scratch;
+  const Clip down = in_world(walker(), UpAxis::minus_y);
+  write_npz(scratch / "a.npz", down);
+  const ReadMotion motion = read_clips(scratch / "a.npz")[0];
+  EXPECT_TRUE(motion.clip.poses == down.poses && motion.clip.trans == down.trans);
+  EXPECT_TRUE(motion.report.remarks.empty());
 }
 
 }  // namespace
