@@ -77,8 +77,8 @@ ArrayDict ArrayDict::open(const fs::path& path) {
 
 bool is_dict_npy(const fs::path& path) {
   const std::string head = read_head(path, 128);
-  return begins_with(head, "\x93NUMPY") && (head.find("'|O'") != std::string::npos ||
-                                            head.find("'O'") != std::string::npos);
+  return begins_with(head, "\x93NUMPY") &&
+         (head.find("'|O'") != std::string::npos || head.find("'O'") != std::string::npos);
 }
 
 std::vector<std::string> ArrayDict::keys() const {

@@ -14,11 +14,12 @@
 
 namespace mocaplm {
 
+struct ArrayDictNode;
+
 class ArrayDict {
  public:
-  // What holds the values; they live as long as any ArrayDict of the file.
-  struct Node;
-  explicit ArrayDict(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
+  // The node holds the values; they live as long as any ArrayDict of the file.
+  explicit ArrayDict(std::shared_ptr<const ArrayDictNode> node) : node_(std::move(node)) {}
 
   // Throws DataError naming file and byte: not one of these formats (naming what it looks like),
   // damaged, hostile, over 512 MiB, no dictionary.
@@ -42,7 +43,7 @@ class ArrayDict {
   std::string contents() const;
 
  private:
-  std::shared_ptr<const Node> node_;
+  std::shared_ptr<const ArrayDictNode> node_;
 };
 
 // Whether a .npy file holds a dictionary (Python objects) and not one array of numbers.

@@ -9,8 +9,8 @@
 
 namespace mocaplm {
 
-struct ArrayDict::Node {
-  virtual ~Node() = default;
+struct ArrayDictNode {
+  virtual ~ArrayDictNode() = default;
   virtual std::vector<std::string> keys() const = 0;
   virtual bool has(const std::string& key) const = 0;
   virtual NumpyArray array(const std::string& key) const = 0;

@@ -50,7 +50,7 @@ const PickleValue& unwrapped(const PickleValue& value) {
              : value;
 }
 
-class PickleNode : public ArrayDict::Node {
+class PickleNode : public ArrayDictNode {
  public:
   PickleNode(std::shared_ptr<PickleFile> pickle, const PickleValue& value, const std::string& name)
       : pickle_(std::move(pickle)), value_(value) {

@@ -13,7 +13,7 @@ namespace mocaplm {
 namespace {
 
 // A .npz: every entry is read when it is asked for, once.
-class ZipNode : public ArrayDict::Node {
+class ZipNode : public ArrayDictNode {
  public:
   ZipNode(const fs::path& path, std::shared_ptr<const ZipReader> zip) : zip_(std::move(zip)) {
     file = path.string();

@@ -72,7 +72,7 @@ SmplRecord record_of(const std::vector<Row>& rows, const std::string& program) {
   record.program = program;
   record.usual_fps = kVideoFps;
   record.up = UpAxis::minus_y;
-  record.layout = Layout::usual;
+  record.layout = UpLayout::usual;
   record.poses.resize(static_cast<Eigen::Index>(rows.size()), 72);
   record.trans.resize(record.poses.rows(), 3);
   std::size_t gaps = 0;

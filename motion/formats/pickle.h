@@ -66,7 +66,7 @@ using LoadStorage = std::function<std::string_view(const std::string& key)>;
 class Pickle {
  public:
   // Throws DataError naming the byte: an opcode or global that is refused (by name), a truncated or
-  // inconsistent file, more than 100,000 objects, 10,000 memo entries or 10,000 stack entries,
+  // inconsistent file, more than a million objects or memo entries, or 10,000 stack entries,
   // arrays of other things than numbers or text.
   Pickle(std::string_view bytes, const std::string& file, LoadStorage load = nullptr);
 

@@ -235,7 +235,7 @@ bool PickleMachine::run_container(unsigned char opcode) {
         fail(std::string(list ? "appends to " : "sets an item of ") + describe(into));
       if (!list && items.size() % 2 != 0) fail("sets a dictionary key without a value");
       if (into.items.size() + items.size() > kMaxPickleValues)
-        fail("a list of more than 100000 items");
+        fail("a list of more than 1000000 items");
       into.items.insert(into.items.end(), items.begin(), items.end());
       return true;
     }

@@ -11,7 +11,7 @@
 
 namespace mocaplm {
 
-constexpr std::size_t kMaxPickleValues = 100000, kMaxPickleMemo = 10000, kMaxPickleStack = 10000;
+constexpr std::size_t kMaxPickleValues = 1000000, kMaxPickleMemo = 1000000, kMaxPickleStack = 10000;
 
 class PickleMachine {
  public:
@@ -61,6 +61,7 @@ class PickleMachine {
   void build_array(PickleValue& object, const PickleValue& state);
   void set_shape(NumpyArray& array, const PickleValue& shape);
   void set_data(PickleValue& object, const PickleValue& type, const PickleValue& data);
+  void copy_items(PickleValue& into, const PickleValue& from);
   // An array of objects becomes a list.
   void set_objects(PickleValue& object, const PickleValue& data);
 
@@ -83,7 +84,8 @@ class PickleMachine {
   const std::string& file_;
   Pickle& pickle_;
   int depth_ = 0;
-  std::size_t at_ = 0, opcode_at_ = 0, decoded_bytes_ = 0, gathered_ = 0;
+  std::size_t at_ = 0, opcode_at_ = 0, decoded_bytes_ = 0, gathered_ = 0, copied_items_ = 0,
+              nested_bytes_ = 0;
   PickleValue* legacy_storage_ = nullptr;  // the one whose bytes follow the pickle
   std::vector<PickleValue*> stack_;
   std::vector<std::size_t> marks_;  // stack heights

@@ -27,11 +27,18 @@ bool holds_arrays(std::string_view name) {
 
 }  // namespace
 
+// A small file may ask for the same long list again and again.
+void PickleMachine::copy_items(PickleValue& into, const PickleValue& from) {
+  const std::vector<PickleValue*> items = from.items;  // `into` itself, perhaps
+  if ((copied_items_ += items.size()) > kMaxPickleValues) fail("copies more than 1000000 items");
+  into.items.insert(into.items.end(), items.begin(), items.end());
+}
+
 void PickleMachine::set_objects(PickleValue& object, const PickleValue& data) {
   if (data.kind != PickleKind::list)
     fail("an array of Python objects holds " + describe(data) + ", expected a list");
   object.kind = PickleKind::list;
-  object.items = data.items;
+  copy_items(object, data);
   object.built = true;
 }
 
@@ -49,14 +56,13 @@ bool PickleMachine::call_class(std::string_view name, const PickleValue& argumen
     if (name == "collections.OrderedDict" && !items.empty())
       for (const PickleValue* pair : items[0]->items) {
         if (pair->items.size() != 2) fail("makes a dictionary of something other than pairs");
-        dictionary->items.insert(dictionary->items.end(), pair->items.begin(), pair->items.end());
-        if (dictionary->items.size() > kMaxPickleValues) fail("a list of more than 100000 items");
+        copy_items(*dictionary, *pair);
       }
     push(dictionary);
     return true;
   }
   PickleValue* list = make(PickleKind::list);
-  if (!items.empty()) list->items = items[0]->items;
+  if (!items.empty()) copy_items(*list, *items[0]);
   push(list);
   return true;
 }
@@ -75,7 +81,7 @@ void PickleMachine::build_object(PickleValue& object, const PickleValue& state) 
   if (object.built) fail("sets the state of " + describe(object) + " twice");
   if (state.kind != PickleKind::dictionary)
     fail("sets the state of " + describe(object) + " from " + describe(state));
-  object.items = state.items;
+  copy_items(object, state);
   object.built = true;
   if (object.text == "joblib.numpy_pickle.NumpyArrayWrapper") read_joblib_array(object);
 }

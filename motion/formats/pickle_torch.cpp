@@ -63,6 +63,8 @@ void PickleMachine::load_storage(const PickleValue& id) {
 void PickleMachine::load_storage_bytes(const PickleValue& bytes) {
   if (bytes.kind != PickleKind::bytes) fail("a storage in " + describe(bytes));
   if (depth_ >= kMaxDepth) fail("pickles nested more than 4 deep");
+  if ((nested_bytes_ += bytes.text.size()) > bytes_.size())
+    fail("reads more storages than the file holds");
   std::string_view rest = bytes.text;
   PickleValue* storage = nullptr;
   for (int part = 0; part < 5; ++part) {

@@ -17,7 +17,7 @@ namespace mocaplm {
 namespace {
 
 constexpr int kMaxDepth = 3;
-constexpr std::size_t kMaxPeople = 1000;
+constexpr std::size_t kMaxPeople = 1000, kMaxLooks = 5000;  // dictionaries
 
 struct Person {
   std::string key;  // "" for the only one of a file
@@ -35,8 +35,10 @@ bool says_nothing(const std::string& key) {
   return false;
 }
 
-void find_people(const ArrayDict& dict, const std::string& name, int depth,
+// `looks` counts the dictionaries that were looked at: they may lie in one another.
+void find_people(const ArrayDict& dict, const std::string& name, int depth, std::size_t& looks,
                  std::vector<Person>& people) {
+  if (++looks > kMaxLooks) return;
   if (std::optional<SmplRecord> record = read_smpl_record(dict)) {
     people.push_back({name, std::move(*record)});
     return;
@@ -44,20 +46,20 @@ void find_people(const ArrayDict& dict, const std::string& name, int depth,
   if (depth >= kMaxDepth) return;
   const bool both = dict.has(kWorld) && dict.has(kCamera);
   for (const std::string& key : dict.keys()) {
-    if (people.size() >= kMaxPeople || (both && key == kCamera)) continue;
+    if (people.size() >= kMaxPeople || looks > kMaxLooks || (both && key == kCamera)) continue;
     const std::optional<ArrayDict> inner = dict.dict(key);
     if (!inner) continue;
     const std::string more = says_nothing(key) ? name : name.empty() ? key : name + "_" + key;
     const std::size_t before = people.size();
-    find_people(*inner, more, depth + 1, people);
+    find_people(*inner, more, depth + 1, looks, people);
     if (people.size() == before) continue;
     SmplRecord& record = people.back().record;
     if (key == kCamera) {
       record.up = UpAxis::minus_y;
-      record.layout = Layout::usual;
+      record.layout = UpLayout::usual;
     } else if (key == kWorld) {
       record.up = UpAxis::y;
-      record.layout = Layout::usual;
+      record.layout = UpLayout::usual;
     }
     if (both && key == kWorld)
       record.remarks.push_back(
@@ -155,7 +157,8 @@ std::vector<ReadMotion> read_smpl_file(const fs::path& path, const ReadOptions& 
   std::vector<Person> people;
   for (TrackedPerson& tracked : read_frames_of_people(dict))
     people.push_back({tracked.name, std::move(tracked.record)});
-  if (people.empty()) find_people(dict, "", 0, people);
+  std::size_t looks = 0;
+  if (people.empty()) find_people(dict, "", 0, looks, people);
   if (people.empty()) refuse(dict);
   choose(people, options.part, path.string());
   std::vector<ReadMotion> motions;

@@ -75,13 +75,13 @@ std::optional<SmplRecord> aist_or_edge(const ArrayDict& dict) {
     record.trans /= scaling;
     record.usual_fps = 60;
     record.up = UpAxis::y;
-    record.layout = Layout::usual;
+    record.layout = UpLayout::usual;
     return record;
   }
   record.program = "EDGE";
   record.usual_fps = 30;
   record.up = UpAxis::z;
-  record.layout = Layout::usual;
+  record.layout = UpLayout::usual;
   record.trans_is_pelvis = !pelvis_is_beside(dict, record.trans.row(0));
   return record;
 }
@@ -94,7 +94,7 @@ std::optional<SmplRecord> wham_world(const ArrayDict& dict) {
   set_trans(dict, first_of(dict, {"trans_world"}), record);
   record.usual_fps = kVideoFps;
   record.up = UpAxis::y;
-  record.layout = Layout::usual;
+  record.layout = UpLayout::usual;
   return record;
 }
 
@@ -131,7 +131,7 @@ std::optional<SmplRecord> root_and_body(const ArrayDict& dict) {
   if (amass) {
     record.program = "AMASS";
     record.up = UpAxis::z;
-    record.layout = Layout::usual;
+    record.layout = UpLayout::usual;
   } else {
     record.program = "GVHMR, DART, 4D-Humans and their kin";
     record.usual_fps = kVideoFps;
@@ -171,22 +171,22 @@ std::optional<SmplRecord> amass(const ArrayDict& dict) {
   // This program says what it wrote.
   if (const auto up = dict.text("up_axis"); up && *up == "y") {
     record.up = UpAxis::y;
-    record.layout = Layout::fixed;
+    record.layout = UpLayout::fixed;
     if (dict.has("rest_joints")) record.body.rest = read_rest(dict);
     return record;
   }
   switch (poses.cols()) {
     case 72:
       record.up = UpAxis::y;
-      record.layout = Layout::usual;
+      record.layout = UpLayout::usual;
       break;
     case 156:
       record.up = UpAxis::z;
-      record.layout = Layout::usual;
+      record.layout = UpLayout::usual;
       break;
     case 165:  // SMPL-X of AMASS has Z up, that of EMAGE and BEAT2 Y up
       record.up = UpAxis::z;
-      record.layout = amass_marks(dict) ? Layout::usual : Layout::unknown;
+      record.layout = amass_marks(dict) ? UpLayout::usual : UpLayout::unknown;
       break;
     default:
       break;
@@ -205,20 +205,8 @@ std::optional<SmplRecord> in_camera(const ArrayDict& dict) {
             record);
   record.usual_fps = kVideoFps;
   record.up = UpAxis::minus_y;
-  record.layout = Layout::usual;
+  record.layout = UpLayout::usual;
   return record;
-}
-
-std::optional<double> rate_of(const ArrayDict& dict) {
-  for (const char* key :
-       {"mocap_framerate", "mocap_frame_rate", "fps", "frame_rate", "framerate"}) {
-    if (!dict.has(key)) continue;
-    const double rate = single_number(dict.array(key), key, dict.place(key));
-    const double whole = std::round(rate);
-    // AMASS has rates such as 120.00004577636719.
-    return whole > 0 && std::abs(rate - whole) < 1e-3 ? whole : rate;
-  }
-  return std::nullopt;
 }
 
 void read_body(const ArrayDict& dict, SmplRecord& record) {
@@ -250,11 +238,23 @@ void check_gaps(const ArrayDict& dict, SmplRecord& record) {
 
 }  // namespace
 
+std::optional<double> frame_rate(const ArrayDict& dict) {
+  for (const char* key :
+       {"mocap_framerate", "mocap_frame_rate", "fps", "frame_rate", "framerate"}) {
+    if (!dict.has(key)) continue;
+    const double rate = single_number(dict.array(key), key, dict.place(key));
+    const double whole = std::round(rate);
+    // AMASS has rates such as 120.00004577636719.
+    return whole > 0 && std::abs(rate - whole) < 1e-3 ? whole : rate;
+  }
+  return std::nullopt;
+}
+
 std::optional<SmplRecord> read_smpl_record(const ArrayDict& dict) {
   for (const auto& scheme : {aist_or_edge, wham_world, root_and_body, amass, in_camera}) {
     std::optional<SmplRecord> record = scheme(dict);
     if (!record) continue;
-    record->fps = rate_of(dict);
+    record->fps = frame_rate(dict);
     read_body(dict, *record);
     check_gaps(dict, *record);
     return record;

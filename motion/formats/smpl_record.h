@@ -19,7 +19,7 @@ struct SmplRecord {
   std::optional<double> fps;      // as the file says
   double usual_fps = 0;           // of that program, where files do not say it; 0: none
   UpAxis up = UpAxis::automatic;  // of that program's files; automatic: nobody knows
-  Layout layout = Layout::unknown;
+  UpLayout layout = UpLayout::unknown;
   BodyShape body;
   std::vector<Remark> remarks;
 };
@@ -36,6 +36,9 @@ struct SmplRecord {
 //   pose, trans                                WHAM and VIBE in the camera; Y down
 // `keys` of other kinds give none. Throws DataError for arrays that are not what their key says.
 std::optional<SmplRecord> read_smpl_record(const ArrayDict& dict);
+
+// Frames per second, under whatever key they are said.
+std::optional<double> frame_rate(const ArrayDict& dict);
 
 // The key under which joint positions (frames, 22 or 24, 3) lie; "" for none.
 std::string positions_key(const ArrayDict& dict);

@@ -11,7 +11,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr Eigen::Index kLooks = 200;       // frames
+constexpr Eigen::Index kLooks = 100;       // frames
 constexpr double kUpright = 0.71;          // cosine: trunk and legs within 45 degrees of the axis
 constexpr double kMost = 0.6, kFew = 0.1;  // shares of the frames: for one axis, for all others
 // Against what the layout says.
@@ -87,10 +87,10 @@ std::optional<UpAxis> find_up(const Clip& clip, UpAxis expected) {
   return found;
 }
 
-UpAxis decide_up(const Clip& clip, UpAxis asked, UpAxis expected, Layout layout,
+UpAxis decide_up(const Clip& clip, UpAxis asked, UpAxis expected, UpLayout layout,
                  const std::string& file, std::vector<Remark>& remarks) {
   if (asked != UpAxis::automatic) return asked;
-  if (layout == Layout::fixed) return expected;
+  if (layout == UpLayout::fixed) return expected;
   if (const std::optional<UpAxis> found = find_up(clip, expected)) {
     if (expected == UpAxis::automatic || found == expected) return *found;
     remarks.push_back({"up axis by the motion",
@@ -99,7 +99,7 @@ UpAxis decide_up(const Clip& clip, UpAxis asked, UpAxis expected, Layout layout,
                            " up: " + to_string(*found) + " is taken (--up says otherwise)"});
     return *found;
   }
-  if (layout == Layout::usual) {
+  if (layout == UpLayout::usual) {
     remarks.push_back({"up axis by the layout",
                        "nobody stands upright for most of it; " + to_string(expected) +
                            " up is taken, as files of this layout usually have it (--up says "

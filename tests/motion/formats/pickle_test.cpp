@@ -153,10 +153,10 @@ TEST(Pickle, RefusesMachinesThatDoNotAddUp) {
   says("\x80\x02" + std::string(20000, '('), "10000 deep");
   says("\x80\x02" + std::string(20000, 'N'), "on the stack");
   std::string many = "\x80\x02]";
-  for (int i = 0; i < 200000; ++i) many += "Na";
-  says(many + ".", "more than 100000");
+  for (int i = 0; i < 1100000; ++i) many += "Na";
+  says(many + ".", "more than 1000000");
   std::string memo = "\x80\x04N";
-  says(memo + std::string(20000, '\x94') + ".", "remembered");
+  says(memo + std::string(1100000, '\x94') + ".", "remembered");
 }
 
 TEST(Pickle, RefusesDecodingTheSameTextAgainAndAgain) {
