@@ -73,6 +73,7 @@ std::vector<Table> describe_dataset(const fs::path& path) {
   const Dataset dataset = load_dataset(path);
   Table splits = split_table(dataset);
   splits.note("dataset " + path.string());
+  if (const std::string trouble = dataset_trouble(dataset); !trouble.empty()) splits.note(trouble);
   if (dataset.label_names().empty()) return {splits};
   return {splits, label_table(dataset)};
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <mutex>
 #include <set>
 
 #include "common/error.h"
@@ -15,7 +17,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr std::int64_t kVersion = 1;
 constexpr std::int64_t kMaxFrames = 100'000'000;
 const char* const kFormat = "mocaplm dataset";
 
@@ -76,7 +77,7 @@ std::string dataset_text(const Dataset& dataset) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace);
   };
   const Json head{{"format", kFormat},
-                  {"version", kVersion},
+                  {"version", dataset.version},
                   {"procedural", dataset.procedural},
                   {"import", dataset.import}};
   std::string text = dump(head, 2);
@@ -141,7 +142,36 @@ std::vector<std::string> Dataset::label_names() const {
   return {names.begin(), names.end()};
 }
 
+std::string dataset_trouble(const Dataset& dataset) {
+  if (dataset.version >= 2 || dataset.procedural) return "";
+  const auto up = dataset.import.find("up");
+  const std::string given =
+      up != dataset.import.end() && up->is_string() ? up->get<std::string>() : "auto";
+  std::size_t affected = 0;
+  for (const DatasetEntry& entry : dataset.entries) {
+    const std::string extension = lower(fs::path(entry.source).extension().string());
+    affected += (extension == ".npz" && given != "y") || (extension == ".pkl" && given == "z");
+  }
+  if (affected == 0) return "";
+  return dataset.directory.string() + ": " + std::to_string(affected) + " of " +
+         std::to_string(dataset.entries.size()) +
+         " clips come from .npz or .pkl files and were imported by an older version, which put "
+         "those "
+         "with Z up (AMASS) 25 cm too low and 20 cm aside: import them again";
+}
+
 Dataset load_dataset(const fs::path& directory) {
+  Dataset dataset = read_dataset(directory);
+  const std::string trouble = dataset_trouble(dataset);
+  static std::mutex mutex;
+  static std::set<std::string> said;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (!trouble.empty() && said.insert(trouble).second)
+    std::fprintf(stderr, "note: %s\n", trouble.c_str());
+  return dataset;
+}
+
+Dataset read_dataset(const fs::path& directory) {
   if (!fs::is_directory(directory))
     throw DataError(in_file(directory.string()), fs::exists(directory)
                                                      ? "is a file, expected a dataset directory"
@@ -154,8 +184,8 @@ Dataset load_dataset(const fs::path& directory) {
   JsonObject object(load_json(path), place);
   if (object.text("format") != kFormat)
     object.fail("format", std::string("expected \"") + kFormat + "\"");
-  object.integer("version", kVersion, kVersion);
   Dataset dataset;
+  dataset.version = object.integer("version", 1, kDatasetVersion);
   dataset.directory = directory;
   dataset.procedural = object.boolean("procedural");
   dataset.import = object.raw("import");

@@ -1,11 +1,15 @@
 // A dataset: a directory of clips (clips/NAME.npz) and a readable dataset.json that lists them:
 //
-//   {"format": "mocaplm dataset", "version": 1, "procedural": false,
+//   {"format": "mocaplm dataset", "version": 2, "procedural": false,
 //    "import": {...how it was made...},
 //    "clips": [{"name": "walk", "file": "clips/walk.npz", "frames": 128, "fps": 30,
 //               "labels": {"style": "happy"}, "group": "walk", "split": "train", "source": "..."}]}
+//
+// The version says what the readers did. Before version 2 files with Z up (AMASS) came in with the
+// pelvis 25 cm too low and 20 cm aside.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -28,11 +32,14 @@ struct DatasetEntry {
   double seconds() const { return fps > 0 ? static_cast<double>(frames) / fps : 0; }
 };
 
+constexpr std::int64_t kDatasetVersion = 2;
+
 struct Dataset {
   std::filesystem::path directory;
-  std::vector<DatasetEntry> entries;  // sorted by name
-  bool procedural = false;            // made by `synth`: said wherever its motion is shown
-  Json import = Json::object();       // the resolved settings of the command that made it
+  std::int64_t version = kDatasetVersion;  // the oldest reader among those of its clips
+  std::vector<DatasetEntry> entries;       // sorted by name
+  bool procedural = false;                 // made by `synth`: said wherever its motion is shown
+  Json import = Json::object();            // the resolved settings of the command that made it
 
   // The clip of this name, or null.
   const DatasetEntry* find(const std::string& name) const;
@@ -46,8 +53,13 @@ struct Dataset {
 // "train", "validation", "test".
 const std::vector<std::string>& split_names();
 
+// What is wrong with an older dataset, as a sentence without a full stop; "" when nothing is known.
+std::string dataset_trouble(const Dataset& dataset);
+
 // Reads and checks dataset.json. Throws DataError (missing keys, files that escape the directory,
 // duplicate names, unknown splits).
+Dataset read_dataset(const std::filesystem::path& directory);
+// The same for whoever uses the clips: says dataset_trouble on stderr, once for each folder.
 Dataset load_dataset(const std::filesystem::path& directory);
 void save_dataset(const Dataset& dataset);
 // Whether `directory` holds a dataset.json, sound or not.

@@ -46,11 +46,16 @@ void write_dataset(const fs::path& out, Existing existing,
   check_existing(out, existing);
   const auto may_replace = [&](const fs::path&) { return existing != Existing::refuse; };
   write_directory_with(out, may_replace, [&](const fs::path& directory) {
-    if (existing == Existing::append && has_content(out))
-      carry_over(out, load_dataset(out), directory);
+    std::int64_t version = kDatasetVersion;
+    if (existing == Existing::append && has_content(out)) {
+      const Dataset old = read_dataset(out);
+      carry_over(out, old, directory);
+      if (!dataset_trouble(old).empty()) version = old.version;
+    }
     fs::create_directories(directory / "clips");
     Dataset dataset = fill(directory);
     dataset.directory = directory;
+    dataset.version = version;
     flush_files_under(directory);
     save_dataset(dataset);
   });
@@ -68,7 +73,7 @@ bool holds_only_a_dataset(const fs::path& directory) {
   if (!has_content(directory)) return true;
   if (!is_dataset(directory)) return false;
   std::set<fs::path> own = {"dataset.json", "clips"};
-  for (const DatasetEntry& entry : load_dataset(directory).entries)
+  for (const DatasetEntry& entry : read_dataset(directory).entries)
     for (fs::path path = fs::path(entry.file).lexically_normal(); !path.empty();
          path = path.parent_path())
       own.insert(path);

@@ -38,7 +38,7 @@ Clip mirror(const Clip& clip) {
     out.poses.col(3 * j + 2) = -source.col(2);
   }
   // The pelvis lies at trans + rest, and it is the pelvis that is mirrored.
-  out.trans.col(0) = -clip.trans.col(0).array() - 2 * rest_joints()(0, 0);
+  out.trans.col(0) = -clip.trans.col(0).array() - 2 * rest_joints(clip)(0, 0);
   for (auto& [name, value] : out.labels) value = swap_sides(value);
   return out;
 }

@@ -84,6 +84,7 @@ Clip take_every(const Clip& clip, Eigen::Index step, double fps) {
   Clip out;
   out.name = clip.name;
   out.labels = clip.labels;
+  out.body = clip.body;
   out.fps = fps;
   const Eigen::Index count = (clip.frames() + step - 1) / step;
   out.poses.resize(count, 72);
@@ -139,6 +140,7 @@ Clip resample(const Clip& clip, double fps, const std::vector<int>& joints) {
   Clip out;
   out.name = clip.name;
   out.labels = clip.labels;
+  out.body = clip.body;
   out.fps = fps;
   const Eigen::Index count = frames_at(clip, fps);
   out.poses.resize(count, 72);

@@ -5,19 +5,29 @@
 
 namespace mocaplm {
 
-Clip turned(const Clip& clip, double angle) {
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()));
-  const Eigen::Vector3d rest = rest_joints().row(0).transpose();
-  Clip out = clip;
+namespace {
+
+void turn_all(Clip& clip, const Eigen::Quaterniond& turn) {
+  const Eigen::Vector3d rest = rest_joints(clip).row(0).transpose();
   for (Eigen::Index t = 0; t < clip.frames(); ++t) {
-    auto pelvis = out.poses.row(t).head<3>();
+    auto pelvis = clip.poses.row(t).head<3>();
     pelvis = axis_angle_from_quaternion(turn * quaternion_from_axis_angle(pelvis.transpose()))
                  .transpose();
-    // The pelvis lies at trans + rest.
     const Eigen::Vector3d at = clip.trans.row(t).transpose() + rest;
-    out.trans.row(t) = (turn * at - rest).transpose();
+    clip.trans.row(t) = (turn * at - rest).transpose();
   }
+}
+
+}  // namespace
+
+Clip turned(const Clip& clip, double angle) {
+  Clip out = clip;
+  turn_all(out, Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY())));
   return out;
+}
+
+void turn_world(Clip& clip, const Eigen::Matrix3d& turn) {
+  turn_all(clip, quaternion_from_matrix(turn));
 }
 
 }  // namespace mocaplm

@@ -61,7 +61,7 @@ Camera Stage::camera(Eigen::Index frame) const {
   };
   if (!config_.follow) return made(whole_way());
   const Eigen::Vector3f pelvis =
-      (clip_.trans.row(0) + rest_joints().row(0)).transpose().cast<float>();
+      (clip_.trans.row(0) + rest_joints(clip_).row(0)).transpose().cast<float>();
   Box near;
   near.add({pelvis.x() - .8f, -.08f, pelvis.z() - .8f});
   near.add({pelvis.x() + .8f, 1.95f, pelvis.z() + .8f});

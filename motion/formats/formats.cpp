@@ -3,11 +3,11 @@
 #include "common/error.h"
 #include "common/files.h"
 #include "common/text.h"
-#include "motion/formats/aist.h"
 #include "motion/formats/glb.h"
 #include "motion/formats/joint_csv.h"
 #include "motion/formats/npz.h"
 #include "motion/formats/retarget.h"
+#include "motion/formats/smpl_file.h"
 
 namespace fs = std::filesystem;
 
@@ -15,7 +15,7 @@ namespace mocaplm {
 
 namespace {
 
-enum class Format { unknown, npz, pkl, bvh, glb, csv };
+enum class Format { unknown, npz, pkl, npy, pt, bvh, glb, csv };
 
 std::string title(Format format) {
   switch (format) {
@@ -23,6 +23,10 @@ std::string title(Format format) {
       return "a zip archive (.npz)";
     case Format::pkl:
       return "a Python pickle (.pkl)";
+    case Format::npy:
+      return "a numpy array (.npy)";
+    case Format::pt:
+      return "a PyTorch archive (.pt)";
     case Format::bvh:
       return "a BVH text (.bvh)";
     case Format::glb:
@@ -34,16 +38,19 @@ std::string title(Format format) {
 
 Format by_extension(const fs::path& path) {
   const std::string extension = lower(path.extension().string());
-  return extension == ".npz"   ? Format::npz
-         : extension == ".pkl" ? Format::pkl
-         : extension == ".bvh" ? Format::bvh
-         : extension == ".glb" ? Format::glb
-         : extension == ".csv" ? Format::csv
-                               : Format::unknown;
+  return extension == ".npz"                         ? Format::npz
+         : extension == ".pkl"                       ? Format::pkl
+         : extension == ".npy"                       ? Format::npy
+         : extension == ".pt" || extension == ".pth" ? Format::pt
+         : extension == ".bvh"                       ? Format::bvh
+         : extension == ".glb"                       ? Format::glb
+         : extension == ".csv"                       ? Format::csv
+                                                     : Format::unknown;
 }
 
 bool is_read(Format format) {
-  return format == Format::npz || format == Format::pkl || format == Format::bvh;
+  return format == Format::npz || format == Format::pkl || format == Format::npy ||
+         format == Format::pt || format == Format::bvh;
 }
 
 bool begins_with(const std::string& text, const std::string& begin) {
@@ -53,6 +60,7 @@ bool begins_with(const std::string& text, const std::string& begin) {
 Format by_content(const std::string& head) {
   if (begins_with(head, "PK\3\4") || begins_with(head, "PK\5\6")) return Format::npz;
   if (begins_with(head, "\x80")) return Format::pkl;
+  if (begins_with(head, "\x93NUMPY")) return Format::npy;
   if (begins_with(head, "glTF")) return Format::glb;
   const std::size_t bom = begins_with(head, "\xef\xbb\xbf") ? 3 : 0;
   const std::size_t word = head.find_first_not_of(" \t\r\n", bom);
@@ -76,7 +84,9 @@ Format format_of(const fs::path& path) {
         "has the extension \"" + path.extension().string() +
             "\", expected .npz (AMASS), .pkl (AIST++) or .bvh" +
             (found == Format::unknown ? "" : "; it looks like " + title(found) + ": rename it"));
-  if (found != named && found != Format::unknown)
+  // torch.save writes zip archives, and older versions pickles.
+  const bool torch = named == Format::pt && (found == Format::npz || found == Format::pkl);
+  if (found != named && found != Format::unknown && !torch)
     throw DataError(at_byte(file, 0), "is named " + path.extension().string() + " but looks like " +
                                           title(found) + ": rename it");
   return named;
@@ -105,10 +115,10 @@ std::vector<ReadMotion> read_clips(const fs::path& path, const ReadOptions& opti
   ReadMotion& motion = motions.front();
   switch (format_of(path)) {
     case Format::npz:
-      motion.clip = read_npz(path, options.up, options.fps);
-      break;
     case Format::pkl:
-      motion.clip = read_aist_pkl(path, options.up, options.fps);
+    case Format::npy:
+    case Format::pt:
+      motions = read_smpl_file(path, options);
       break;
     default: {
       BvhOptions bvh;
@@ -122,8 +132,10 @@ std::vector<ReadMotion> read_clips(const fs::path& path, const ReadOptions& opti
       motion.report.remarks = motion.report.retarget.remarks;
     }
   }
-  check_clip(motion.clip, path.string());
-  drop_first(motion.clip, options.drop_first, path.string());
+  for (ReadMotion& one : motions) {
+    check_clip(one.clip, path.string());
+    drop_first(one.clip, options.drop_first, path.string());
+  }
   return motions;
 }
 

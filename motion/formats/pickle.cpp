@@ -29,23 +29,33 @@ std::string describe(const PickleValue& value) {
       return "a dtype";
     case PickleKind::array:
       return "an array " + shape_text(value.array);
+    case PickleKind::object:
+      return "an object of " + std::string(value.text);
+    case PickleKind::storage:
+      return "a PyTorch storage";
   }
   return "";
 }
 
-Pickle::Pickle(std::string_view bytes, const std::string& file) {
+Pickle::Pickle(std::string_view bytes, const std::string& file, LoadStorage load)
+    : load_(std::move(load)) {
   root_ = PickleMachine(bytes, file, *this).run();
 }
 
-const PickleValue* Pickle::find(const std::string& key) const {
-  if (root_->kind != PickleKind::dictionary) return nullptr;
+const PickleValue* find_value(const PickleValue& dictionary, std::string_view key) {
+  if (dictionary.kind != PickleKind::dictionary && dictionary.kind != PickleKind::object)
+    return nullptr;
   const PickleValue* found = nullptr;  // as in Python, the last one of a key counts
-  for (std::size_t i = 0; i + 1 < root_->items.size(); i += 2) {
-    const PickleValue& name = *root_->items[i];
+  for (std::size_t i = 0; i + 1 < dictionary.items.size(); i += 2) {
+    const PickleValue& name = *dictionary.items[i];
     if ((name.kind == PickleKind::text || name.kind == PickleKind::bytes) && name.text == key)
-      found = root_->items[i + 1];
+      found = dictionary.items[i + 1];
   }
   return found;
+}
+
+const PickleValue* Pickle::find(const std::string& key) const {
+  return find_value(*root_, key);
 }
 
 std::vector<std::string> Pickle::keys() const {

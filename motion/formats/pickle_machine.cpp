@@ -48,6 +48,11 @@ enum Opcode : unsigned char {
   kGlobal = 'c',
   kStackGlobal = 0x93,
   kReduce = 'R',
+  kNewObject = 0x81,
+  kPersistentId = 'Q',
+  kPop = '0',
+  kEmptySet = 0x8f,
+  kAddItems = 0x90,
   kBuild = 'b'
 };
 
@@ -55,16 +60,29 @@ struct Refused {
   unsigned char opcode;
   const char* name;
 };
-constexpr Refused kRefused[] = {
-    {'0', "POP"},        {'1', "POP_MARK"},     {'2', "DUP"},
-    {'F', "FLOAT"},      {'I', "INT"},          {'L', "LONG"},
-    {'P', "PERSID"},     {'Q', "BINPERSID"},    {'S', "STRING"},
-    {'V', "UNICODE"},    {'d', "DICT"},         {'g', "GET"},
-    {'i', "INST"},       {'l', "LIST"},         {'o', "OBJ"},
-    {'p', "PUT"},        {0x81, "NEWOBJ"},      {0x82, "EXT1"},
-    {0x83, "EXT2"},      {0x84, "EXT4"},        {0x8b, "LONG4"},
-    {0x8f, "EMPTY_SET"}, {0x90, "ADDITEMS"},    {0x91, "FROZENSET"},
-    {0x92, "NEWOBJ_EX"}, {0x97, "NEXT_BUFFER"}, {0x98, "READONLY_BUFFER"}};
+constexpr Refused kRefused[] = {{'1', "POP_MARK"},
+                                {'2', "DUP"},
+                                {'F', "FLOAT"},
+                                {'I', "INT"},
+                                {'L', "LONG"},
+                                {'P', "PERSID"},
+                                {'Q', "BINPERSID"},
+                                {'S', "STRING"},
+                                {'V', "UNICODE"},
+                                {'d', "DICT"},
+                                {'g', "GET"},
+                                {'i', "INST"},
+                                {'l', "LIST"},
+                                {'o', "OBJ"},
+                                {'p', "PUT"},
+                                {0x82, "EXT1"},
+                                {0x83, "EXT2"},
+                                {0x84, "EXT4"},
+                                {0x8b, "LONG4"},
+                                {0x91, "FROZENSET"},
+                                {0x92, "NEWOBJ_EX"},
+                                {0x97, "NEXT_BUFFER"},
+                                {0x98, "READONLY_BUFFER"}};
 
 std::string opcode_name(unsigned char opcode) {
   char hex[8];
@@ -94,7 +112,7 @@ PickleValue* PickleMachine::run() {
     } else if (!run_atom(opcode) && !run_container(opcode) && !run_memo(opcode) &&
                !run_object(opcode)) {
       fail("refuses the pickle opcode " + opcode_name(opcode) +
-           ": AIST++ files need no such thing, and nothing in a pickle is executed");
+           ": motion files need no such thing, and nothing in a pickle is executed");
     }
   }
   if (stack_.size() != 1 || !marks_.empty())
@@ -126,6 +144,11 @@ bool PickleMachine::run_atom(unsigned char opcode) {
       return true;
     case kLong1: {
       const std::uint64_t count = little_endian(1);
+      if (count > 8 && depth_ > 0 && count <= 16) {  // PyTorch's magic number
+        take(count);
+        push_number(PickleKind::integer, 0);
+        return true;
+      }
       if (count > 8) fail("a whole number of " + std::to_string(count) + " bytes, more than 8");
       const std::uint64_t bits = little_endian(count);
       const std::uint64_t unused = 64 - 8 * count;
@@ -173,6 +196,7 @@ bool PickleMachine::run_container(unsigned char opcode) {
       push(make(PickleKind::tuple));
       return true;
     case kEmptyList:
+    case kEmptySet:  // nobody asks for its order
       push(make(PickleKind::list));
       return true;
     case kEmptyDict:
@@ -196,8 +220,9 @@ bool PickleMachine::run_container(unsigned char opcode) {
     case kAppend:
     case kSetItem:
     case kAppends:
+    case kAddItems:
     case kSetItems: {
-      const bool list = opcode == kAppend || opcode == kAppends;
+      const bool list = opcode != kSetItem && opcode != kSetItems;
       std::vector<PickleValue*> items;
       if (opcode == kAppend || opcode == kSetItem) {
         items.resize(list ? 1 : 2);
@@ -210,7 +235,7 @@ bool PickleMachine::run_container(unsigned char opcode) {
         fail(std::string(list ? "appends to " : "sets an item of ") + describe(into));
       if (!list && items.size() % 2 != 0) fail("sets a dictionary key without a value");
       if (into.items.size() + items.size() > kMaxPickleValues)
-        fail("a list of more than 100000 items");
+        fail("a list of more than 1000000 items");
       into.items.insert(into.items.end(), items.begin(), items.end());
       return true;
     }
@@ -236,6 +261,9 @@ bool PickleMachine::run_memo(unsigned char opcode) {
     case kLongBinGet:
       recall(little_endian(4));
       return true;
+    case kPop:
+      pop();
+      return true;
     default:
       return false;
   }
@@ -258,6 +286,19 @@ bool PickleMachine::run_object(unsigned char opcode) {
     case kReduce: {
       const PickleValue *arguments = pop(), *function = pop();
       call(*function, *arguments);
+      return true;
+    }
+    case kNewObject: {
+      const PickleValue *arguments = pop(), *type = pop();
+      if (arguments->kind != PickleKind::tuple)
+        fail("makes an object with " + describe(*arguments));
+      make_object(*type);
+      return true;
+    }
+    case kPersistentId: {
+      const bool known = pickle_.load_ != nullptr || depth_ > 0;
+      if (!known) return false;
+      load_storage(*pop());
       return true;
     }
     case kBuild: {

@@ -17,7 +17,42 @@ constexpr const char* kGlobals[] = {"numpy.core.multiarray._reconstruct",
                                     "numpy._core.numeric._frombuffer",
                                     "numpy.ndarray",
                                     "numpy.dtype",
-                                    "_codecs.encode"};
+                                    "_codecs.encode",
+                                    "builtins.dict",
+                                    "builtins.list",
+                                    "builtins.int",
+                                    "builtins.float",
+                                    "builtins.set",
+                                    "builtins.object",
+                                    "__builtin__.set",
+                                    "__builtin__.object",
+                                    "__builtin__.dict",
+                                    "__builtin__.list",
+                                    "collections.OrderedDict",
+                                    "collections.defaultdict",
+                                    "copy_reg._reconstructor",
+                                    "copyreg._reconstructor",
+                                    "joblib.numpy_pickle.NumpyArrayWrapper",
+                                    "chumpy.ch.Ch",
+                                    "scipy.sparse.csc.csc_matrix",
+                                    "scipy.sparse._csc.csc_matrix",
+                                    "scipy.sparse.csr.csr_matrix",
+                                    "scipy.sparse._csr.csr_matrix",
+                                    "scipy.sparse._csc.csc_array",
+                                    "scipy.sparse._csr.csr_array",
+                                    "torch._utils._rebuild_tensor_v2",
+                                    "torch._utils._rebuild_parameter",
+                                    "torch.storage._load_from_bytes",
+                                    "torch.FloatStorage",
+                                    "torch.DoubleStorage",
+                                    "torch.HalfStorage",
+                                    "torch.LongStorage",
+                                    "torch.IntStorage",
+                                    "torch.ShortStorage",
+                                    "torch.CharStorage",
+                                    "torch.ByteStorage",
+                                    "torch.BoolStorage",
+                                    "torch.Size"};
 
 bool ends_with(std::string_view text, std::string_view end) {
   return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
@@ -45,7 +80,7 @@ void PickleMachine::push_global(std::string_view module, std::string_view name) 
     return;
   }
   fail("refuses the global " + printable(full) +
-       ": only numpy's arrays are read, and nothing in a pickle is executed");
+       ": only arrays of numbers are read, and nothing in a pickle is executed");
 }
 
 void PickleMachine::call(const PickleValue& function, const PickleValue& arguments) {
@@ -68,7 +103,7 @@ void PickleMachine::call(const PickleValue& function, const PickleValue& argumen
              (items.size() == 4 || (items.size() == 5 && items[4]->kind == PickleKind::none))) {
     // The fifth, an order of axes, is for arrays that lie in memory in neither C nor Fortran order.
     call_array(*items[0], *items[1], items[2], items[3]);
-  } else {
+  } else if (!call_class(name, arguments) && !call_torch(name, arguments)) {
     fail("calls " + std::string(name) + " with " + std::to_string(items.size()) +
          " arguments, which numpy does not do");
   }
@@ -78,7 +113,10 @@ void PickleMachine::call_dtype(const PickleValue& arguments) {
   const PickleValue& text = *arguments.items[0];
   if (!is_text(text)) fail("makes a dtype of " + describe(text));
   PickleValue* type = make(PickleKind::type);
-  type->array.type = parse_numpy_type(printable(text.text), here());
+  if (text.text == "O" || text.text == "O8")
+    type->array.type.kind = 'O';
+  else
+    type->array.type = parse_numpy_type(printable(text.text), here());
   push(type);
 }
 
@@ -124,6 +162,7 @@ void PickleMachine::call_array(const PickleValue& data, const PickleValue& type,
 }
 
 void PickleMachine::build(PickleValue& object, const PickleValue& state) {
+  if (object.kind == PickleKind::object) return build_object(object, state);
   if (object.kind != PickleKind::type && object.kind != PickleKind::array)
     fail("sets the state of " + describe(object));
   if (object.built) fail("sets the state of " + describe(object) + " twice");
@@ -141,6 +180,7 @@ void PickleMachine::build_type(PickleValue& object, const PickleValue& state) {
   if (items.size() < 8 || !is_text(*items[1]) || items[1]->text.size() != 1 ||
       std::strchr("<>|=", items[1]->text[0]) == nullptr || items[1]->text[0] == 0)
     fail("a dtype's state is not (version, byte order, ...)");
+  if (object.array.type.kind == 'O') return;
   for (std::size_t i : {2, 3, 4})
     if (items[i]->kind != PickleKind::none) fail("a dtype of structures, expected plain numbers");
   object.array.type.big_endian = items[1]->text == ">";
@@ -177,6 +217,7 @@ void PickleMachine::set_shape(NumpyArray& array, const PickleValue& shape) {
 void PickleMachine::set_data(PickleValue& object, const PickleValue& type,
                              const PickleValue& data) {
   if (type.kind != PickleKind::type) fail("an array's dtype is " + describe(type));
+  if (type.array.type.kind == 'O') return set_objects(object, data);
   if (data.kind != PickleKind::bytes)
     fail("an array's data are " + describe(data) + ", expected bytes of numbers");
   object.array.type = type.array.type;

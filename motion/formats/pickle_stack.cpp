@@ -48,7 +48,7 @@ std::string_view PickleMachine::line() {
 }
 
 PickleValue* PickleMachine::make(PickleKind kind) {
-  if (pickle_.values_.size() >= kMaxPickleValues) fail("more than 100000 objects");
+  if (pickle_.values_.size() >= kMaxPickleValues) fail("more than 1000000 objects");
   pickle_.values_.emplace_back();
   PickleValue& value = pickle_.values_.back();
   value.kind = kind;
@@ -84,7 +84,7 @@ std::vector<PickleValue*> PickleMachine::pop_to_mark() {
 
 void PickleMachine::remember(std::uint64_t index) {
   memo_[index] = top();
-  if (memo_.size() > kMaxPickleMemo) fail("more than 10000 remembered objects");
+  if (memo_.size() > kMaxPickleMemo) fail("more than 1000000 remembered objects");
 }
 
 void PickleMachine::recall(std::uint64_t index) {

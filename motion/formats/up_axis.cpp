@@ -32,7 +32,7 @@ Eigen::Vector3d up_vector(UpAxis up) {
 
 Eigen::Matrix3d turn_to_y_up(UpAxis up) {
   // Named, since half a turn has no smallest axis.
-  if (up == UpAxis::minus_y) return Eigen::Vector3d(-1, -1, 1).asDiagonal();
+  if (up == UpAxis::minus_y) return Eigen::Vector3d(1, -1, -1).asDiagonal();
   return shortest_rotation(up_vector(up), Eigen::Vector3d::UnitY()).toRotationMatrix();
 }
 

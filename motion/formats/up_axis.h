@@ -17,8 +17,9 @@ std::string to_string(UpAxis up);
 
 // The unit vector that points up in the file; not for `automatic`.
 Eigen::Vector3d up_vector(UpAxis up);
-// The rotation that brings the file's world into ours (Y up), the smallest one; half a turn about z
-// for -y. z up is turned by -90 degrees about x. Not for `automatic`.
+// The rotation that brings the file's world into ours (Y up), the smallest one; for -y half a turn
+// about x, which takes a camera's axes (x right, y down, z away from it) to x right, y up, z
+// towards it. z up is turned by -90 degrees about x. Not for `automatic`.
 Eigen::Matrix3d turn_to_y_up(UpAxis up);
 
 }  // namespace mocaplm

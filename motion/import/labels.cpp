@@ -157,7 +157,11 @@ Facts gather_facts(const ImportConfig& config, const std::vector<SourceFile>& so
   Facts facts;
   for (const SourceFile& source : sources) {
     FileFacts file;
-    file.labels = aist_labels(source.path.stem().string()).value_or(Labels{});
+    // Pieces of one AIST++ dance, and its views by other cameras, are never separated.
+    if (const auto name = parse_aist_name(source.path.stem().string())) {
+      file.labels = name->labels;
+      file.group = name->dance;
+    }
     if (!config.label_from_dir.empty()) file.labels[config.label_from_dir] = source.folder();
     if (config.fps > 0) file.fps = config.fps;
     file.drop_first = config.drop_first;

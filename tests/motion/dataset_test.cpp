@@ -71,7 +71,7 @@ void expect_refused(const std::string& from, const std::string& to, const std::s
 }
 
 TEST(Dataset, RefusesWhatIsNotSound) {
-  expect_refused("\"version\": 1", "\"version\": 2", "version");
+  expect_refused("\"version\": 2", "\"version\": 3", "version");
   expect_refused("mocaplm dataset", "something", "format");
   expect_refused("\"procedural\": false", "\"procedural\": 0", "true or false");
   expect_refused("\"name\":\"a\"", "\"name\":\"b\"", "more than once");
@@ -120,6 +120,50 @@ TEST(Dataset, MissingFoldersAndFilesAreNamed) {
   EXPECT_THROW(load_dataset(folder.path()), DataError);
   write_file(folder / "file", "x");
   EXPECT_THROW(load_dataset(folder / "file"), DataError);
+}
+
+// A dataset of one clip as an older version wrote it.
+fs::path old_dataset(const TemporaryFolder& folder, const std::string& source) {
+  write_some(folder / "old", {"a"});
+  const fs::path file = folder / "old" / "dataset.json";
+  std::string text = read_file(file);
+  text.replace(text.find("\"version\": 2"), 12, "\"version\": 1");
+  text.replace(text.find("made by a test"), 14, source);
+  write_file(file, text);
+  return folder / "old";
+}
+
+TEST(Dataset, OldOnesOfAmassFilesAreToBeImportedAgain) {
+  const TemporaryFolder folder;
+  const fs::path old = old_dataset(folder, "mocap/Walk.NPZ");
+  for (int twice = 0; twice < 2; ++twice) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(load_dataset(old).version, 1);
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    EXPECT_EQ(said.find("import them again") != std::string::npos, twice == 0) << said;
+  }
+  // Clips that are added leave the old ones as they are, and the warning with them.
+  write_dataset(old, Existing::append, [&](const fs::path& directory) {
+    Dataset both = read_dataset(old);
+    Random random(9);
+    const Clip clip = random_clip(random, 7, 30);
+    const DatasetEntry entry{"b", clip_file("b"), 7, 30, {}, "b", "train", "b.bvh"};
+    store_clip(directory, entry, clip);
+    both.entries.push_back(entry);
+    both.version = kDatasetVersion;
+    return both;
+  });
+  EXPECT_NE(dataset_trouble(read_dataset(old)).find("1 of 2"), std::string::npos);
+  write_some(old, {"c"}, Existing::replace);
+  EXPECT_EQ(dataset_trouble(read_dataset(old)), "");
+}
+
+TEST(Dataset, OldOnesOfOtherFilesAreAsGoodAsNew) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(dataset_trouble(read_dataset(old_dataset(folder, "walk.bvh"))), "");
+  const TemporaryFolder other;
+  EXPECT_EQ(dataset_trouble(read_dataset(old_dataset(other, "gWA_sBM_cAll_d26_mWA2_ch03.pkl"))),
+            "");
 }
 
 TEST(DatasetWrite, NeverCostsWhatWasThere) {

@@ -90,6 +90,23 @@ TEST_F(ImportTest, LabelsFromNamesFoldersExpressionsAndTables) {
   EXPECT_EQ(report.warnings.size(), 3u);
 }
 
+TEST_F(ImportTest, PiecesAndCamerasOfOneAistDanceAreOneGroup) {
+  int seed = 1;
+  for (const char* name : {"gBR_sBM_c01_d04_mBR0_ch02_seg1", "gBR_sBM_c01_d04_mBR0_ch02_seg2",
+                           "gBR_sBM_cAll_d04_mBR0_ch02_slice0", "gBR_sBM_cAll_d04_mBR0_ch02",
+                           "gBR_sBM_c01_d04_mBR0_ch03_seg1", "walk"})
+    write(std::string(name) + ".npz", seed++);
+  import();
+  std::map<std::string, int> groups;
+  for (const auto& [name, entry] : entries()) {
+    ++groups[entry.group];
+    EXPECT_EQ(entry.labels.count("genre"), name == "walk" ? 0u : 1u) << name;
+  }
+  EXPECT_EQ(groups, (std::map<std::string, int>{{"gBR_sBM_cAll_d04_mBR0_ch02", 4},
+                                                {"gBR_sBM_cAll_d04_mBR0_ch03", 1},
+                                                {"walk", 1}}));
+}
+
 TEST_F(ImportTest, RatesAndLeadingFramesFromTheTable) {
   write("a.npz", 1, 20, 120);
   write("b.npz", 2, 20, 120);

@@ -39,5 +39,28 @@ TEST(Turn, TurningBackGivesTheMotion) {
     EXPECT_LT((joint_positions(again, t) - joint_positions(clip, t)).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+// Each joint of the turned motion is the turned joint of the motion, the pelvis too, also for a
+// body of its own.
+TEST(Turn, TurningTheWorldTurnsEveryJoint) {
+  Random random(7);
+  for (int body = 0; body < 2; ++body) {
+    Clip clip = random_clip(random, 9, 60);
+    if (body == 1) {
+      auto shape = std::make_shared<BodyShape>();
+      shape->rest = rest_joints() * 1.1;
+      clip.body = shape;
+    }
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(2.3, random_direction(random)).toRotationMatrix();
+    Clip other = clip;
+    turn_world(other, turn);
+    for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+      const JointPositions before = joint_positions(clip, t), after = joint_positions(other, t);
+      EXPECT_LT((after - before * turn.transpose()).cwiseAbs().maxCoeff(), 1e-9);
+    }
+    EXPECT_EQ(other.body, clip.body);
+  }
+}
+
 }  // namespace
 }  // namespace mocaplm

@@ -8,6 +8,7 @@
 #include "motion/formats/helpers.h"
 #include "motion/formats/pickle_writer.h"
 #include "motion/helpers.h"
+#include "motion/skeleton.h"
 
 namespace mocaplm {
 namespace {
@@ -40,6 +41,14 @@ std::string aist(const Arrays& arrays, const PickleStyle& style = {}) {
   return writer.finish();
 }
 
+Clip read_at(const std::filesystem::path& path, UpAxis up,
+             std::optional<double> fps = std::nullopt) {
+  ReadOptions options;
+  options.up = up;
+  options.fps = fps;
+  return read_clip(path, options);
+}
+
 TEST(Aist, GivesTheExpectedValues) {
   const auto files = expected_files("aist-pkl");
   if (files.empty()) GTEST_SKIP() << "no ../shared/data/formats/expected.json";
@@ -67,8 +76,10 @@ TEST(Aist, ReadsPosesExactlyAndMetres) {
       }
       for (std::size_t i = 0; i < arrays.trans.size(); ++i)
         ASSERT_NEAR(clip.trans.data()[i], arrays.trans[i] / 93.75, 1e-6);
-      EXPECT_EQ(read_aist_pkl(path, UpAxis::automatic, 30.0).fps, 30);
-      EXPECT_NEAR(read_aist_pkl(path, UpAxis::z).trans(1, 1), clip.trans(1, 2), 1e-15);
+      EXPECT_EQ(read_at(path, UpAxis::automatic, 30.0).fps, 30);
+      const Eigen::RowVector3d rest = rest_joints().row(0);  // the pelvis is what is turned
+      EXPECT_NEAR(read_at(path, UpAxis::z).trans(1, 1) + rest.y(), clip.trans(1, 2) + rest.z(),
+                  1e-12);
     }
 }
 
@@ -76,7 +87,7 @@ TEST(Aist, NamesWhatIsWrong) {
   const Scratch scratch;
   const auto says = [&](const std::string& bytes, const std::string& part) {
     const auto path = scratch.put("a.pkl", bytes);
-    const std::string text = refusal([&] { read_aist_pkl(path); });
+    const std::string text = refusal([&] { read_clip(path); });
     EXPECT_TRUE(contains(text, path.string()) && contains(text, part)) << text;
   };
   const Arrays good = random_arrays();
@@ -101,9 +112,9 @@ TEST(Aist, NamesWhatIsWrong) {
   bad.trans[4] = std::numeric_limits<double>::infinity();
   says(aist(bad), "frame 1");
   says("", "empty");
-  says("\x80\x04}.", "no smpl_poses");
+  says("\x80\x04}.", "no poses, smpl_poses");
   says("\x80\x04K\x05.", "it is a number");
-  says("\x80\x04}\x8c\x0asmpl_posesNs.", "smpl_poses is None");
+  says("\x80\x04}\x8c\x0asmpl_posesNs.", "holds no motion");
   says("\x80\x04}\x8c\x05other\x5ds.", "other");
   // Made, but never filled.
   says("\x80\x02}X\x0a" + std::string("\0\0\0smpl_poses", 13) +
@@ -120,7 +131,7 @@ TEST(Aist, SurvivesCutsAndFlippedBits) {
   for (const std::string& good : files) {
     const auto check = [&](const std::string& bytes) {
       const auto path = scratch.put("a.pkl", bytes);
-      return reads_or_refuses([&] { read_aist_pkl(path); }, path.string());
+      return reads_or_refuses([&] { read_clip(path); }, path.string());
     };
     ASSERT_TRUE(check(good));
     const std::size_t step = std::max<std::size_t>(1, good.size() / 300);
@@ -158,6 +169,27 @@ TEST(AistLabels, ComeFromTheName) {
         "gWA_sXM_cAll_d26_mWA2_ch03", "gWA_sBM_cAll_d26_mWA2"})
     EXPECT_FALSE(aist_labels(other)) << other;
   EXPECT_FALSE(aist_labels(std::string(100000, 'g')));
+}
+
+TEST(Aist, PiecesAndOtherCamerasAreTheSameDance) {
+  const std::string whole = "gBR_sBM_cAll_d04_mBR0_ch02";
+  const auto labels = aist_labels(whole);
+  ASSERT_TRUE(labels);
+  for (const char* piece :
+       {"gBR_sBM_cAll_d04_mBR0_ch02", "gBR_sBM_c01_d04_mBR0_ch02", "gBR_sBM_c09_d04_mBR0_ch02_seg1",
+        "gBR_sBM_cAll_d04_mBR0_ch02_slice0", "gBR_sBM_c01_d04_mBR0_ch02_seg12_slice3",
+        "gBR_sBM_cAll_d04_mBR0_ch02_slice3_seg12", "gBR_sBM_cAll_d04_mBR0_ch02_c05_slice1",
+        "gBR_sBM_cAll_d04_mBR0_ch02_slice_7"}) {
+    const auto name = parse_aist_name(piece);
+    ASSERT_TRUE(name) << piece;
+    EXPECT_EQ(name->labels, *labels) << piece;
+    EXPECT_EQ(name->dance, whole) << piece;
+  }
+  EXPECT_NE(parse_aist_name("gBR_sBM_c01_d04_mBR0_ch03_seg1")->dance, whole);
+  for (const char* other :
+       {"gBR_sBM_c01_d04_mBR0_ch02_seg", "gBR_sBM_c01_d04_mBR0_ch02_segment1",
+        "gBR_sBM_c1_d04_mBR0_ch02", "gBR_sBM_c01_d04_mBR0_ch02_", "gBR_sBM_c01_d04_mBR0_ch02_1"})
+    EXPECT_FALSE(parse_aist_name(other)) << other;
 }
 
 }  // namespace

@@ -198,13 +198,14 @@ print(json.dumps({key: {"dtype": str(file[key].dtype), "shape": list(file[key].s
     EXPECT_EQ(arrays[key]["dtype"], dtype) << key;
     EXPECT_EQ(arrays[key]["shape"], shape) << key;
   };
-  EXPECT_EQ(arrays.size(), 5u);
+  EXPECT_EQ(arrays.size(), 6u);
   expect_array("poses", "float64", {kFrames, 72});
   expect_array("trans", "float64", {kFrames, 3});
   expect_array("betas", "float64", Json::array({16}));
   expect_array("gender", "<U7", Json::array());
   expect_array("mocap_framerate", "float64", Json::array());
   EXPECT_EQ(arrays["gender"]["values"], "neutral");
+  EXPECT_EQ(arrays["up_axis"]["values"], "y");
   EXPECT_EQ(arrays["mocap_framerate"]["values"], 29.97);
   // Bit for bit: Python prints the shortest digits that mean the same number.
   for (Eigen::Index t = 0; t < kFrames; ++t) {
