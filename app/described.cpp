@@ -199,7 +199,8 @@ std::vector<Table> describe_path(const fs::path& path) {
   const std::string ending = lower(path.extension().string());
   if (ending == ".json" || path.filename() == "complete")
     return describe_json_file(path, path.has_parent_path() ? path.parent_path() : ".");
-  if (const Describe describe = describer_of(ending)) return describe(path);
+  const Describe describe = describer_of(ending);
+  if (describe != nullptr && !looks_like_motion(path)) return describe(path);
   return describe_clip(path);
 }
 

@@ -7,6 +7,7 @@
 #include "motion/formats/glb.h"
 #include "motion/formats/joint_csv.h"
 #include "motion/formats/npz.h"
+#include "motion/formats/positions.h"
 #include "motion/formats/retarget.h"
 
 namespace fs = std::filesystem;
@@ -15,7 +16,9 @@ namespace mocaplm {
 
 namespace {
 
-enum class Format { unknown, npz, pkl, bvh, glb, csv };
+enum class Format { unknown, npz, pkl, bvh, glb, csv, npy, trc };
+
+const std::string kRead = ".npz, .pkl, .bvh, .npy, .csv and .trc";
 
 std::string title(Format format) {
   switch (format) {
@@ -27,8 +30,12 @@ std::string title(Format format) {
       return "a BVH text (.bvh)";
     case Format::glb:
       return "a glTF figure (.glb)";
+    case Format::npy:
+      return "a numpy array (.npy)";
+    case Format::trc:
+      return "tracks of markers (.trc)";
     default:
-      return "none of .npz, .pkl and .bvh";
+      return "none of " + kRead;
   }
 }
 
@@ -39,11 +46,18 @@ Format by_extension(const fs::path& path) {
          : extension == ".bvh" ? Format::bvh
          : extension == ".glb" ? Format::glb
          : extension == ".csv" ? Format::csv
+         : extension == ".npy" ? Format::npy
+         : extension == ".trc" ? Format::trc
                                : Format::unknown;
 }
 
+bool is_positions(Format format) {
+  return format == Format::csv || format == Format::npy || format == Format::trc;
+}
+
 bool is_read(Format format) {
-  return format == Format::npz || format == Format::pkl || format == Format::bvh;
+  return format == Format::npz || format == Format::pkl || format == Format::bvh ||
+         is_positions(format);
 }
 
 bool begins_with(const std::string& text, const std::string& begin) {
@@ -54,9 +68,12 @@ Format by_content(const std::string& head) {
   if (begins_with(head, "PK\3\4") || begins_with(head, "PK\5\6")) return Format::npz;
   if (begins_with(head, "\x80")) return Format::pkl;
   if (begins_with(head, "glTF")) return Format::glb;
+  if (begins_with(head, "\x93NUMPY")) return Format::npy;
   const std::size_t bom = begins_with(head, "\xef\xbb\xbf") ? 3 : 0;
   const std::size_t word = head.find_first_not_of(" \t\r\n", bom);
   if (word != std::string::npos && lower(head.substr(word, 9)) == "hierarchy") return Format::bvh;
+  if (word != std::string::npos && lower(head.substr(word, 12)) == "pathfiletype")
+    return Format::trc;
   return Format::unknown;
 }
 
@@ -66,15 +83,13 @@ Format format_of(const fs::path& path) {
   const std::string head = read_head(path, 64);
   const Format named = by_extension(path), found = by_content(head);
   if (head.empty()) throw DataError(in_file(file), "is empty");
-  if ((named == Format::glb || named == Format::csv) && !is_read(found))
-    throw DataError(in_file(file), "is a " + path.extension().string() +
-                                       ", which is written but not read; expected .npz (AMASS), "
-                                       ".pkl (AIST++) or .bvh");
+  if (named == Format::glb && !is_read(found))
+    throw DataError(in_file(file),
+                    "is a .glb, which is written but not read; expected one of " + kRead);
   if (named == Format::unknown)
     throw DataError(
         in_file(file),
-        "has the extension \"" + path.extension().string() +
-            "\", expected .npz (AMASS), .pkl (AIST++) or .bvh" +
+        "has the extension \"" + path.extension().string() + "\", expected one of " + kRead +
             (found == Format::unknown ? "" : "; it looks like " + title(found) + ": rename it"));
   if (found != named && found != Format::unknown)
     throw DataError(at_byte(file, 0), "is named " + path.extension().string() + " but looks like " +
@@ -97,18 +112,29 @@ bool is_motion_file(const fs::path& path) {
   return is_read(by_extension(path));
 }
 
+bool looks_like_motion(const fs::path& path) {
+  const Format format = by_extension(path);
+  return is_positions(format) ? holds_positions(path) : is_read(format);
+}
+
 std::vector<ReadMotion> read_clips(const fs::path& path, const ReadOptions& options) {
   if (options.fps && !(*options.fps > 0 && *options.fps <= 10000))
     throw UsageError("a frame rate of " + format_number(*options.fps) +
                      ", expected more than 0 and at most 10000 per second");
+  const Format format = format_of(path);
   std::vector<ReadMotion> motions(1);
+  if (is_positions(format)) motions = read_positions_file(path, options);
   ReadMotion& motion = motions.front();
-  switch (format_of(path)) {
+  switch (format) {
     case Format::npz:
       motion.clip = read_npz(path, options.up, options.fps);
       break;
     case Format::pkl:
       motion.clip = read_aist_pkl(path, options.up, options.fps);
+      break;
+    case Format::csv:
+    case Format::npy:
+    case Format::trc:
       break;
     default: {
       BvhOptions bvh;
@@ -129,8 +155,8 @@ Clip read_clip(const fs::path& path, const ReadOptions& options, ReadReport* rep
   if (motions.size() > 1) {
     std::vector<std::string> names;
     for (const ReadMotion& motion : motions) names.push_back(motion.clip.name);
-    throw DataError(in_file(path.string()), "holds " + std::to_string(names.size()) +
-                                                " motions (" + join(names, ", ") +
+    throw DataError(in_file(path.string()), "holds " + std::to_string(names.size()) + " motions (" +
+                                                join(names, ", ") +
                                                 "), expected one: name one as FILE#PART");
   }
   if (report != nullptr) *report = std::move(motions.front().report);
