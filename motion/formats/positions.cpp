@@ -17,6 +17,7 @@ namespace mocaplm {
 namespace {
 
 constexpr double kHumanMl3dRate = 20;
+constexpr std::uintmax_t kMaxTextBytes = std::uintmax_t{1} << 28;
 
 struct Layout {
   std::size_t first = 0;  // leading axes of length 1
@@ -180,7 +181,9 @@ bool holds_positions(const fs::path& path) {
 
 std::vector<ReadMotion> read_positions_file(const fs::path& path, const ReadOptions& options) {
   const std::string file = path.string(), extension = lower(path.extension().string());
-  const std::string name = path.stem().string(), bytes = read_file(path);
+  // Every two bytes of a text may be a number of eight.
+  const std::string name = path.stem().string(),
+                    bytes = read_file(path, extension == ".npy" ? kMaxFileBytes : kMaxTextBytes);
   std::vector<ReadMotion> motions;
   if (extension == ".npy")
     motions.push_back(

@@ -12,6 +12,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 // Radians between the bones: below the first the plane counts nothing, above the second all.
 constexpr double kStraight = 0.14, kBent = 0.45;
+constexpr double kFolded = 0.5;     // radians short of folded flat, where the plane is noise again
 constexpr double kNeutral = 0.003;  // weight of the shortest way from the rest pose
 constexpr double kSeconds = 0.03;   // over which the turn of a bent limb is smoothed
 
@@ -90,8 +91,8 @@ std::vector<Eigen::Quaterniond> limb_rotations(const LimbRest& rest,
     const double bend = angle_between(upper[t], lower[t]);
     const double straightness = std::clamp((bend - kStraight) / (kBent - kStraight), 0.0, 1.0);
     // Folded flat on itself a limb has no plane either.
-    const double hinge_weight =
-        straightness * straightness * (3 - 2 * straightness) * std::min(1.0, (kPi - bend) / 0.1);
+    const double hinge_weight = straightness * straightness * (3 - 2 * straightness) *
+                                std::min(1.0, (kPi - bend) / kFolded);
     const double to_neutral =
         nearest_turn(turn_between(carried[t], neutral, rest.upper, upper[t]), last);
     value[t] = kNeutral * to_neutral;

@@ -1,7 +1,9 @@
 #include "motion/ik/trunk.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "motion/ik/body_measure.h"
 #include "motion/ik/limb.h"
 #include "motion/rotation.h"
 
@@ -107,6 +109,27 @@ void keep_trunk_direction(const Vector3d& trunk, WorldRotations& world) {
   }
 }
 
+// Collars that the source does not give, aimed so that the shoulders come as high and as far apart
+// as the source's, measured by what is usual for it: raised arms raise the shoulders.
+void lift_shoulders(const Vector3d& trunk, const Vector3d& across, const TrunkPoints& points,
+                    WorldRotations& world) {
+  const Vector3d spine = world[kPelvis] * (rest_joint(kSpine1) - rest_middle(kLeftHip, kRightHip)) +
+                         world[kSpine1] * rest_bone(kSpine1, kSpine2) +
+                         world[kSpine2] * rest_bone(kSpine2, kSpine3);
+  for (const int collar : {kLeftCollar, kRightCollar}) {
+    const int shoulder = collar + kLeftShoulder - kLeftCollar;
+    const double side = collar == kLeftCollar ? 0.5 : -0.5;
+    const Vector3d place = spine + world[kSpine3] * rest_bone(kSpine3, collar);
+    const Vector3d wanted =
+        points.trunk_scale * trunk + side * points.shoulder_scale * across - place;
+    const Vector3d bone = rest_bone(collar, shoulder);
+    // A target at the collar itself has no direction to speak of.
+    if (wanted.norm() < bone.norm() / 2) continue;
+    Quaterniond& rotation = world[static_cast<std::size_t>(collar)];
+    rotation = aimed(rotation, bone, wanted);
+  }
+}
+
 void pose_head(const PointTracks& tracks, const TrunkPoints& points, Eigen::Index t,
                WorldRotations& world) {
   const Quaterniond chest = world[kSpine3];
@@ -177,6 +200,15 @@ TrunkPoints trunk_points(const PointTracks& tracks) {
     points.neck = median_of(tracks, height) > 0.1;
   }
   points.head = given(tracks, kHead);
+  const BodyMeasure source = measure_body(tracks);
+  // Bodies of about SMPL's proportions are scaled as a whole: medians hold what was danced, too.
+  const double scale = ratio(smpl_measure().leg(), source.leg());
+  const auto own = [&](double figure, double length) {
+    const double found = ratio(figure, length);
+    return std::abs(found - scale) < 0.08 * scale ? scale : found;
+  };
+  points.trunk_scale = own(smpl_measure().trunk, source.trunk);
+  points.shoulder_scale = own(smpl_measure().shoulder_width, source.shoulder_width);
   return points;
 }
 
@@ -209,15 +241,19 @@ void pose_trunk(const PointTracks& tracks, const TrunkPoints& points, Eigen::Ind
                        tracks.at(frame, child) - tracks.at(frame, joint));
     }
   }
-  for (int side = 0; side < 2; ++side) {
-    const int collar = kLeftCollar + side, shoulder = kLeftShoulder + side;
-    Quaterniond& rotation = world[static_cast<std::size_t>(collar)];
-    rotation = world[kSpine3];
-    if (points.collars)
+  world[kLeftCollar] = world[kRightCollar] = world[kSpine3];
+  if (points.collars) {
+    for (const int collar : {kLeftCollar, kRightCollar}) {
+      const int shoulder = collar + kLeftShoulder - kLeftCollar;
+      Quaterniond& rotation = world[static_cast<std::size_t>(collar)];
       rotation = aimed(rotation, rest_bone(collar, shoulder),
                        tracks.at(frame, shoulder) - tracks.at(frame, collar));
+    }
   }
   keep_trunk_direction(trunk, world);
+  if (!points.collars)
+    lift_shoulders(trunk, tracks.at(frame, kLeftShoulder) - tracks.at(frame, kRightShoulder),
+                   points, world);
   pose_head(tracks, points, frame, world);
 }
 

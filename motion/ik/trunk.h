@@ -17,6 +17,9 @@ using WorldRotations = std::array<Eigen::Quaterniond, kJoints>;
 struct TrunkPoints {
   bool pelvis_is_middle = false;
   bool pelvis = false, spine = false, collars = false, neck = false, head = false;
+  // The figure's length over the source's, by medians: from the middle of the hips to that of the
+  // shoulders, and from shoulder to shoulder.
+  double trunk_scale = 1, shoulder_scale = 1;
 };
 TrunkPoints trunk_points(const PointTracks& tracks);
 

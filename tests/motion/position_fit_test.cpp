@@ -247,6 +247,60 @@ TEST(PositionFit, APelvisBetweenTheHipsIsNotTakenForSmpls) {
   }
 }
 
+// Ears and nose tell where a head looks, heel and toes how a foot lies.
+TEST(PositionFit, PointsOfHeadAndFeetTurnThem) {
+  for (const Clip& clip : dances()) {
+    PointTracks tracks = tracks_of(clip);
+    std::vector<int> points = thesis_joints();
+    for (const int point :
+         {10, 11, int(kNose), int(kLeftEar), int(kRightEar), int(kLeftHeel), int(kRightHeel)})
+      points.push_back(point);
+    for (const int point :
+         {int(kNose), int(kLeftEar), int(kRightEar), int(kLeftHeel), int(kRightHeel)})
+      tracks.given[static_cast<std::size_t>(point)] = true;
+    for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+      const auto world = joint_world_rotations(clip, t);
+      const auto put = [&](int point, int joint, const Eigen::Vector3d& place) {
+        tracks.places.row(t).segment<3>(3 * point) =
+            (tracks.at(t, joint) + world[static_cast<std::size_t>(joint)] * place).transpose();
+      };
+      put(kLeftEar, 15, {0.075, 0.05, 0.02});
+      put(kRightEar, 15, {-0.075, 0.05, 0.02});
+      put(kNose, 15, {0, 0.05, 0.13});
+      for (int side = 0; side < 2; ++side) {
+        put(kLeftHeel + side, 7 + side, {0, -0.05, -0.05});
+        put(10 + side, 7 + side, {side == 0 ? 0.02 : -0.02, -0.05, 0.15});
+      }
+    }
+    const PositionFit fit = fit_positions(only(tracks, points), 1, false);
+    for (Eigen::Index t = 0; t < clip.frames(); t += 7) {
+      const auto truth = joint_world_rotations(clip, t), found = joint_world_rotations(fit.clip, t);
+      ASSERT_LT((truth[15] - found[15]).norm(), 1e-6) << clip.name;
+      for (int side = 0; side < 2; ++side) {
+        const auto ankle = static_cast<std::size_t>(7 + side);
+        const Eigen::Vector3d sole = (truth[ankle] * Eigen::Vector3d(0, 0, 1));
+        ASSERT_GT(sole.dot(found[ankle] * Eigen::Vector3d(0, 0, 1)), 0.98) << clip.name;
+      }
+    }
+  }
+}
+
+// Positions of an estimator jump by some millimetres from frame to frame: so may the figure, but
+// nothing turns over.
+TEST(PositionFit, NoiseDoesNotTurnJointsOver) {
+  Random random(14);
+  for (const Clip& clip : dances()) {
+    PointTracks tracks = tracks_of(clip, 22);
+    for (Eigen::Index i = 0; i < 66; ++i)
+      for (Eigen::Index t = 0; t < clip.frames(); ++t)
+        tracks.places(t, i) += random.uniform(-0.005, 0.005);
+    const PositionFit fit = fit_positions(tracks, 1, false);
+    EXPECT_LT(worst_distance(tracks, fit.clip), 0.05) << clip.name;
+    EXPECT_LT(largest_step(fit.clip), largest_step(clip) + 0.6) << clip.name;
+    EXPECT_LT(fit.from_source.root_mean_square, 1) << clip.name;
+  }
+}
+
 TEST(BodyMeasure, FindsEveryUpAxisAndRefusesWhatIsNoBody) {
   const Clip clip = dances().front();
   for (const UpAxis up :

@@ -264,6 +264,40 @@ TEST(Positions, TrcFilesComeIn) {
   EXPECT_TRUE(has_remark(report, "unit", "millimetres"));
 }
 
+// Names without empty columns between them, no line before the data, cells missing at the end of a
+// row, tabs at the end of lines, wrong counts.
+TEST(Positions, TrcFilesOfManyWritersComeIn) {
+  const Scratch folder;
+  const Clip clip = dance();
+  const std::string whole = trc_of(clip, open_pose_names(), "mm", 1000);
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = whole;
+    for (std::size_t at = text.find(from); at != std::string::npos;
+         at = text.find(from, at + to.size()))
+      text.replace(at, from.size(), to);
+    return text;
+  };
+  const Clip truth = read_clip(folder.put("a.trc", whole));
+  for (const std::string& text :
+       {changed("\t\t\t", "\t"), changed("\r\n\r\n", "\n"), changed("\r\n", "\t\r\n"),
+        changed("\r\n", "\r"), changed("\tmm\t", "\tMM\t"), "\xEF\xBB\xBF" + whole}) {
+    const Clip read = read_clip(folder.put("b.trc", text));
+    EXPECT_LT(worst_distance(read, truth), 1e-9);
+  }
+  ReadReport report;
+  read_clip(folder.put("c.trc", changed("\t120\t15\t", "\t500\t16\t")), {}, &report);
+  EXPECT_TRUE(has_remark(report, "frames announced", "500"));
+  EXPECT_TRUE(has_remark(report, "markers announced", "16"));
+  // The last wrist of a frame is not there.
+  std::string text = whole;
+  const std::size_t line = text.find("\r\n51\t") + 2, end = text.find("\r\n", line);
+  std::size_t cut = end;
+  for (int i = 0; i < 3; ++i) cut = text.rfind('\t', cut - 1);
+  text.erase(cut, end - cut);
+  const std::string refused = refusal([&] { read_clip(folder.put("d.trc", text)); });
+  EXPECT_TRUE(contains(refused, "frame 50") && contains(refused, "left_wrist")) << refused;
+}
+
 TEST(Positions, SkinMarkersAreCalledThat) {
   const Scratch folder;
   const Clip clip = dance();
