@@ -63,6 +63,19 @@ PointTracks tracks_of(const PositionTable& table, const PointNames& points) {
   return tracks;
 }
 
+// The lowest of all joints at y = 0 and the first pelvis above the origin, both by a twentieth of
+// the legs.
+bool stands_as_human_ml3d(const PointTracks& tracks) {
+  double lowest = HUGE_VAL;
+  for (Eigen::Index t = 0; t < tracks.frames(); ++t)
+    for (int point = 0; point < kPoints; ++point)
+      if (tracks.given[static_cast<std::size_t>(point)])
+        lowest = std::min(lowest, tracks.at(t, point).y());
+  const Eigen::Vector3d pelvis = tracks.at(0, 0);
+  const double near = 0.05 * measure_body(tracks).leg();
+  return std::abs(lowest) < near && std::hypot(pelvis.x(), pelvis.z()) < near;
+}
+
 void turn_up(PointTracks& tracks, const PositionTable& table, const ReadOptions& options,
              std::vector<Remark>& remarks) {
   const FoundUp found = find_up(tracks);
@@ -74,6 +87,12 @@ void turn_up(PointTracks& tracks, const PositionTable& table, const ReadOptions&
                          "Y is taken as up, as the format has it, but the body points "
                          "along " +
                              to_string(found.axis) + ": --up says otherwise"});
+  } else if (up == UpAxis::automatic && table.by_custom_y_up &&
+             (!found.sure() || (found.axis != UpAxis::y && stands_as_human_ml3d(tracks)))) {
+    up = UpAxis::y;
+    remarks.push_back({"up axis",
+                       "Y is taken as up, as HumanML3D has it; the body does not stand "
+                       "along it: --up says otherwise"});
   } else if (up == UpAxis::automatic) {
     if (!found.sure())
       throw DataError(in_file(table.file),

@@ -157,6 +157,7 @@ ReadMotion read_position_array(const NumpyArray& array, const std::string& name,
                                std::optional<double> fps, const ReadOptions& options) {
   PositionTable table = table_of_array(array, file, key);
   table.fps = fps;
+  table.by_custom_y_up = layout_of(array).joints == 22;
   if (!fps && !options.fps && layout_of(array).joints == 22) {
     table.fps = kHumanMl3dRate;
     table.remarks.push_back(

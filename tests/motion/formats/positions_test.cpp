@@ -132,6 +132,34 @@ TEST(Positions, AnyAxisAndUnitIsFound) {
     }
 }
 
+// Somebody lies on the back, head towards +z, in a file as HumanML3D writes it.
+TEST(Positions, WhoLiesInHumanMl3dStaysLying) {
+  const Scratch folder;
+  const Clip clip = dance();
+  Eigen::Matrix3d lie;  // up to +z, forward to the ceiling
+  lie << -1, 0, 0, 0, 0, 1, 0, 1, 0;
+  ASSERT_NEAR(lie.determinant(), 1, 1e-12);
+  const Eigen::Vector3d head = lie * Eigen::Vector3d::UnitY();
+  double lowest = 1e9;
+  const auto turned = [&](const Eigen::RowVector3d& p) {
+    return Eigen::RowVector3d((lie * p.transpose()).transpose());
+  };
+  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
+    const JointPositions p = joint_positions(clip, t);
+    for (int j = 0; j < 22; ++j) lowest = std::min(lowest, turned(p.row(j)).y());
+  }
+  const Eigen::RowVector3d pelvis = turned(joint_positions(clip, 0).row(0));
+  const auto path = folder.put(
+      "a.npy", array_bytes(clip, 22, [&](const auto& p) {
+        return Eigen::RowVector3d(turned(p) - Eigen::RowVector3d(pelvis.x(), lowest, pelvis.z()));
+      }));
+  ReadReport report;
+  const Clip read = read_clip(path, {}, &report);
+  EXPECT_TRUE(has_remark(report, "up axis", "HumanML3D"));
+  const JointPositions posed = joint_positions(read, 5);
+  EXPECT_GT((posed.row(15) - posed.row(0)).dot(head.transpose()), 0.4) << "not set upright";
+}
+
 TEST(Positions, ToldAxisAndUnitWin) {
   const Scratch folder;
   const Clip clip = dance();
