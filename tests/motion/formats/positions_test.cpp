@@ -3,73 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
-#include "common/text.h"
-#include "motion/formats/helpers.h"
 #include "motion/formats/joint_csv.h"
 #include "motion/formats/joint_vocabulary.h"
-#include "motion/formats/npy.h"
+#include "motion/formats/position_helpers.h"
 #include "motion/formats/position_rate.h"
 #include "motion/helpers.h"
 #include "motion/import/sources.h"
-#include "motion/skeleton.h"
-#include "motion/synth.h"
 
 namespace mocaplm {
 namespace {
-
-Clip dance(const std::string& genre = "WA") {
-  SynthConfig config;
-  config.genres = {genre};
-  config.seconds = 2;
-  return make_dance(plan_dances(config).front(), config);
-}
-
-using Place3 = std::function<Eigen::RowVector3d(const Eigen::RowVector3d&)>;
-Eigen::RowVector3d same(const Eigen::RowVector3d& p) {
-  return p;
-}
-
-// (frames, joints, 3) of a clip's joints.
-std::vector<double> places(const Clip& clip, int joints, const Place3& change = same) {
-  std::vector<double> values;
-  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
-    const JointPositions positions = joint_positions(clip, t);
-    for (int j = 0; j < joints; ++j) {
-      const Eigen::RowVector3d place = change(positions.row(j));
-      values.insert(values.end(), place.data(), place.data() + 3);
-    }
-  }
-  return values;
-}
-
-std::string array_bytes(const Clip& clip, int joints, const Place3& change = same) {
-  return npy_bytes(places(clip, joints, change).data(),
-                   {static_cast<std::size_t>(clip.frames()), static_cast<std::size_t>(joints), 3});
-}
-
-double worst_distance(const Clip& a, const Clip& b, int joints = 22) {
-  EXPECT_EQ(a.frames(), b.frames());
-  double worst = 0;
-  for (Eigen::Index t = 0; t < std::min(a.frames(), b.frames()); ++t) {
-    const JointPositions p = joint_positions(a, t), q = joint_positions(b, t);
-    for (int j = 0; j < joints; ++j) worst = std::max(worst, (p.row(j) - q.row(j)).norm());
-  }
-  return worst;
-}
-
-bool has_remark(const ReadReport& report, const std::string& kind, const std::string& part = "") {
-  for (const Remark& remark : report.remarks)
-    if (remark.kind == kind && contains(remark.text, part)) return true;
-  return false;
-}
-
-ReadOptions with_fps(double fps) {
-  ReadOptions options;
-  options.fps = fps;
-  return options;
-}
 
 TEST(Positions, HumanMl3dArraysComeIn) {
   const Scratch folder;
@@ -181,7 +124,6 @@ TEST(Positions, ToldAxisAndUnitWin) {
 // What convert writes is read back, whatever the motion: Y is up by the format.
 TEST(Positions, OurOwnTablesComeBack) {
   const Scratch folder;
-  Random random(3);
   for (const double fps : {59.94005994, 30.0, 120.0, 25.5}) {
     Clip clip = dance("BR");
     clip.fps = fps;
@@ -217,14 +159,6 @@ std::string csv_of(const Clip& clip, const std::vector<std::pair<int, std::strin
   return text;
 }
 
-const std::vector<std::pair<int, std::string>>& open_pose_names() {
-  static const std::vector<std::pair<int, std::string>> names = {
-      {2, "RHip"},    {5, "RKnee"},   {8, "RAnkle"},     {11, "RBigToe"}, {1, "LHip"},
-      {4, "LKnee"},   {7, "LAnkle"},  {10, "LBigToe"},   {12, "Neck"},    {17, "RShoulder"},
-      {19, "RElbow"}, {21, "RWrist"}, {16, "LShoulder"}, {18, "LElbow"},  {20, "LWrist"}};
-  return names;
-}
-
 TEST(Positions, TablesOfOtherProgramsComeIn) {
   const Scratch folder;
   const Clip clip = dance();
@@ -241,103 +175,6 @@ TEST(Positions, TablesOfOtherProgramsComeIn) {
       for (const int j : {16, 17, 18, 19, 20, 21}) ASSERT_LT((p.row(j) - q.row(j)).norm(), 0.08);
     }
   }
-}
-
-std::string trc_of(const Clip& clip, const std::vector<std::pair<int, std::string>>& joints,
-                   const std::string& unit, double scale, const std::string& rate = "60") {
-  const std::string count = std::to_string(joints.size());
-  std::string text =
-      "PathFileType\t4\t(X/Y/Z)\twalk.trc\r\n"
-      "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\r\n" +
-      rate + "\t60\t" + std::to_string(clip.frames()) + "\t" + count + "\t" + unit +
-      "\t60\r\nFrame#\tTime";
-  for (const auto& [joint, name] : joints) text += "\t" + name + "\t\t";
-  text += "\r\n\t";
-  for (std::size_t i = 1; i <= joints.size(); ++i)
-    for (const char* axis : {"X", "Y", "Z"}) text += "\t" + (axis + std::to_string(i));
-  text += "\r\n\r\n";
-  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
-    text += std::to_string(t + 1) + "\t" + format_fixed(static_cast<double>(t) / clip.fps, 5);
-    const JointPositions places = joint_positions(clip, t);
-    // Z up, as cameras in a room have it.
-    for (const auto& [joint, name] : joints)
-      for (const double value : {places(joint, 0), -places(joint, 2), places(joint, 1)})
-        text += "\t" + format_fixed(scale * value, 6);
-    text += "\r\n";
-  }
-  return text;
-}
-
-TEST(Positions, TrcFilesComeIn) {
-  const Scratch folder;
-  const Clip clip = dance();
-  std::vector<std::pair<int, std::string>> smpl;
-  for (int j = 0; j < 24; ++j)
-    smpl.emplace_back(j, "Actor:" + joint_names()[static_cast<std::size_t>(j)]);
-  for (const auto& [unit, scale] : {std::pair{"m", 1.0}, std::pair{"mm", 1000.0}}) {
-    ReadReport report;
-    Clip read = read_clip(folder.put("a.trc", trc_of(clip, smpl, unit, scale)), {}, &report);
-    EXPECT_EQ(read.fps, 60);
-    EXPECT_LT(worst_distance(read, clip, 24), 1e-4);
-    EXPECT_TRUE(has_remark(report, "up axis", "z is up"));
-    EXPECT_FALSE(has_remark(report, "unit"));
-    read = read_clip(folder.put("b.trc", trc_of(clip, open_pose_names(), unit, scale)));
-    EXPECT_LT(std::abs(joint_positions(read, 9)(7, 1) - joint_positions(clip, 9)(7, 1)), 1e-3);
-  }
-  ReadReport report;
-  const Clip read =
-      read_clip(folder.put("c.trc", trc_of(clip, smpl, "m", 1000, "100")), {}, &report);
-  EXPECT_EQ(read.fps, 60);
-  EXPECT_TRUE(has_remark(report, "frame rate", "100"));
-  EXPECT_TRUE(has_remark(report, "unit", "millimetres"));
-}
-
-// Names without empty columns between them, no line before the data, cells missing at the end of a
-// row, tabs at the end of lines, wrong counts.
-TEST(Positions, TrcFilesOfManyWritersComeIn) {
-  const Scratch folder;
-  const Clip clip = dance();
-  const std::string whole = trc_of(clip, open_pose_names(), "mm", 1000);
-  const auto changed = [&](const std::string& from, const std::string& to) {
-    std::string text = whole;
-    for (std::size_t at = text.find(from); at != std::string::npos;
-         at = text.find(from, at + to.size()))
-      text.replace(at, from.size(), to);
-    return text;
-  };
-  const Clip truth = read_clip(folder.put("a.trc", whole));
-  for (const std::string& text :
-       {changed("\t\t\t", "\t"), changed("\r\n\r\n", "\n"), changed("\r\n", "\t\r\n"),
-        changed("\r\n", "\r"), changed("\tmm\t", "\tMM\t"), "\xEF\xBB\xBF" + whole}) {
-    const Clip read = read_clip(folder.put("b.trc", text));
-    EXPECT_LT(worst_distance(read, truth), 1e-9);
-  }
-  ReadReport report;
-  read_clip(folder.put("c.trc", changed("\t120\t15\t", "\t500\t16\t")), {}, &report);
-  EXPECT_TRUE(has_remark(report, "frames announced", "500"));
-  EXPECT_TRUE(has_remark(report, "markers announced", "16"));
-  // The last wrist of a frame is not there.
-  std::string text = whole;
-  const std::size_t line = text.find("\r\n51\t") + 2, end = text.find("\r\n", line);
-  std::size_t cut = end;
-  for (int i = 0; i < 3; ++i) cut = text.rfind('\t', cut - 1);
-  text.erase(cut, end - cut);
-  const std::string refused = refusal([&] { read_clip(folder.put("d.trc", text)); });
-  EXPECT_TRUE(contains(refused, "frame 50") && contains(refused, "left_wrist")) << refused;
-}
-
-TEST(Positions, SkinMarkersAreCalledThat) {
-  const Scratch folder;
-  const Clip clip = dance();
-  std::vector<std::pair<int, std::string>> markers;
-  for (const char* name : {"C7", "T10", "CLAV", "LASI", "RASI", "LKNE", "RKNE", "LANK", "RANK"})
-    markers.emplace_back(3, name);
-  const auto path = folder.put("a.trc", trc_of(clip, markers, "mm", 1000));
-  EXPECT_TRUE(contains(refusal([&] { read_clip(path); }), "markers on the skin"));
-  markers = {{1, "LHip"}, {2, "RHip"}, {4, "LKnee"}};
-  const std::string text =
-      refusal([&] { read_clip(folder.put("b.trc", trc_of(clip, markers, "m", 1))); });
-  EXPECT_TRUE(contains(text, "right_knee") && contains(text, "left_wrist")) << text;
 }
 
 TEST(Positions, WhatIsNoPositionIsRefusedByName) {
