@@ -172,7 +172,8 @@ bool holds_positions(const fs::path& path) {
     const std::string head = read_head(path, kHead);
     const std::string extension = lower(path.extension().string());
     if (extension == ".npy") return is_position_array(parse_npy_header(head, path.string()));
-    if (extension != ".csv") return extension == ".trc";
+    if (extension == ".trc") return lower(head.substr(0, 12)) == "pathfiletype";
+    if (extension != ".csv") return false;
     const std::string line = head.substr(0, head.find_first_of("\r\n"));
     return find_points(position_columns(line)).missing.empty();
   } catch (const Error&) {

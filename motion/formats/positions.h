@@ -39,8 +39,8 @@ ReadMotion read_position_array(const NumpyArray& array, const std::string& name,
 // Whether the array's shape is one of those above.
 bool is_position_array(const NumpyArray& array);
 
-// Whether a file's head says that positions of joints follow, for .csv and .npy files that may be
-// anything; false for files that cannot be read.
+// Whether the head of a .csv, .npy or .trc file says that positions of joints follow: the first two
+// may be anything. False for files that cannot be read.
 bool holds_positions(const std::filesystem::path& path);
 
 // The readers behind read_positions_file, up to the table.

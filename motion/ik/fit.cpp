@@ -135,9 +135,10 @@ void measure(const PointTracks& tracks, const TrunkPoints& points, PositionFit& 
   counts[0] = points.pelvis;
   counts[12] = counts[12] && points.neck;
   for (const int collar : {13, 14}) counts[static_cast<std::size_t>(collar)] = points.collars;
-  for (const int foot : {10, 11})
-    if (given(tracks, foot == 10 ? kLeftHeel : kRightHeel))
-      counts[static_cast<std::size_t>(foot)] = false;
+  // Toes and knuckles of other key points; beside a heel the sole decides, not the ankle's bone.
+  for (const int tip : {10, 11, 22, 23}) counts[static_cast<std::size_t>(tip)] &= points.spine;
+  counts[10] &= !given(tracks, kLeftHeel);
+  counts[11] &= !given(tracks, kRightHeel);
   Distances from_bones, from_source;
   for (Eigen::Index t = 0; t < tracks.frames(); ++t) {
     const JointPositions posed = joint_positions(fit.clip, t);
