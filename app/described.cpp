@@ -200,8 +200,17 @@ std::vector<Table> describe_path(const fs::path& path) {
   const std::string ending = lower(path.extension().string());
   if (ending == ".json" || path.filename() == "complete")
     return describe_json_file(path, path.has_parent_path() ? path.parent_path() : ".");
-  if (const Describe describe = describer_of(ending)) return describe(path);
-  return describe_clip(path);
+  const Describe describe = describer_of(ending);
+  if (describe == nullptr) return describe_clip(path);
+  if (!looks_like_motion(path)) return describe(path);
+  // A table of joint positions, which stays a table where no motion can be made of it.
+  try {
+    return describe_clip(path);
+  } catch (const DataError& error) {
+    std::vector<Table> tables = describe(path);
+    tables[0].note(std::string("As motion: ") + error.what());
+    return tables;
+  }
 }
 
 }  // namespace mocaplm

@@ -82,7 +82,8 @@ std::vector<Table> describe_recordings(const fs::path& folder) {
   int seen = 0;
   for (; !error && entry != fs::recursive_directory_iterator() && seen < kMost;
        entry.increment(error), ++seen)
-    if (is_motion_file(entry->path())) ++counts[lower(entry->path().extension().string())];
+    if (entry->is_regular_file(error) && looks_like_motion(entry->path()))
+      ++counts[lower(entry->path().extension().string())];
   if (counts.empty()) return {};
   Table table(folder.string(), {"folder of motion files", "files"});
   for (const auto& [ending, count] : counts) table.row({ending, count});

@@ -6,6 +6,7 @@
 #include "motion/formats/glb.h"
 #include "motion/formats/joint_csv.h"
 #include "motion/formats/npz.h"
+#include "motion/formats/positions.h"
 #include "motion/formats/retarget.h"
 #include "motion/formats/smpl_file.h"
 
@@ -31,8 +32,12 @@ std::string title(Format format) {
       return "a BVH text (.bvh)";
     case Format::glb:
       return "a glTF figure (.glb)";
+    case Format::npy:
+      return "a numpy array (.npy)";
+    case Format::trc:
+      return "tracks of markers (.trc)";
     default:
-      return "none of .npz, .pkl and .bvh";
+      return "none of " + kRead;
   }
 }
 
@@ -46,6 +51,10 @@ Format by_extension(const fs::path& path) {
          : extension == ".glb"                       ? Format::glb
          : extension == ".csv"                       ? Format::csv
                                                      : Format::unknown;
+}
+
+bool is_positions(Format format) {
+  return format == Format::csv || format == Format::npy || format == Format::trc;
 }
 
 bool is_read(Format format) {
@@ -62,9 +71,12 @@ Format by_content(const std::string& head) {
   if (begins_with(head, "\x80")) return Format::pkl;
   if (begins_with(head, "\x93NUMPY")) return Format::npy;
   if (begins_with(head, "glTF")) return Format::glb;
+  if (begins_with(head, "\x93NUMPY")) return Format::npy;
   const std::size_t bom = begins_with(head, "\xef\xbb\xbf") ? 3 : 0;
   const std::size_t word = head.find_first_not_of(" \t\r\n", bom);
   if (word != std::string::npos && lower(head.substr(word, 9)) == "hierarchy") return Format::bvh;
+  if (word != std::string::npos && lower(head.substr(word, 12)) == "pathfiletype")
+    return Format::trc;
   return Format::unknown;
 }
 
@@ -74,15 +86,13 @@ Format format_of(const fs::path& path) {
   const std::string head = read_head(path, 64);
   const Format named = by_extension(path), found = by_content(head);
   if (head.empty()) throw DataError(in_file(file), "is empty");
-  if ((named == Format::glb || named == Format::csv) && !is_read(found))
-    throw DataError(in_file(file), "is a " + path.extension().string() +
-                                       ", which is written but not read; expected .npz (AMASS), "
-                                       ".pkl (AIST++) or .bvh");
+  if (named == Format::glb && !is_read(found))
+    throw DataError(in_file(file),
+                    "is a .glb, which is written but not read; expected one of " + kRead);
   if (named == Format::unknown)
     throw DataError(
         in_file(file),
-        "has the extension \"" + path.extension().string() +
-            "\", expected .npz (AMASS), .pkl (AIST++) or .bvh" +
+        "has the extension \"" + path.extension().string() + "\", expected one of " + kRead +
             (found == Format::unknown ? "" : "; it looks like " + title(found) + ": rename it"));
   // torch.save writes zip archives, and older versions pickles.
   const bool torch = named == Format::pt && (found == Format::npz || found == Format::pkl);
@@ -107,18 +117,29 @@ bool is_motion_file(const fs::path& path) {
   return is_read(by_extension(path));
 }
 
+bool looks_like_motion(const fs::path& path) {
+  const Format format = by_extension(path);
+  return is_positions(format) ? holds_positions(path) : is_read(format);
+}
+
 std::vector<ReadMotion> read_clips(const fs::path& path, const ReadOptions& options) {
   if (options.fps && !(*options.fps > 0 && *options.fps <= 10000))
     throw UsageError("a frame rate of " + format_number(*options.fps) +
                      ", expected more than 0 and at most 10000 per second");
+  const Format format = format_of(path);
   std::vector<ReadMotion> motions(1);
+  if (is_positions(format)) motions = read_positions_file(path, options);
   ReadMotion& motion = motions.front();
-  switch (format_of(path)) {
+  switch (format) {
     case Format::npz:
     case Format::pkl:
     case Format::npy:
     case Format::pt:
       motions = read_smpl_file(path, options);
+      break;
+    case Format::csv:
+    case Format::npy:
+    case Format::trc:
       break;
     default: {
       BvhOptions bvh;

@@ -39,8 +39,12 @@ struct ReadMotion {
   ReadReport report;
 };
 
-// Whether the extension is one that read_clip knows (.npz, .pkl, .bvh, in any case).
+// Whether the extension is one that read_clip knows (.npz, .pkl, .bvh, .npy, .csv, .trc, in any
+// case).
 bool is_motion_file(const std::filesystem::path& path);
+// The same for a file found in a folder: a .csv or .npy, which may be anything, must hold positions
+// of joints by its head.
+bool looks_like_motion(const std::filesystem::path& path);
 
 // Reads all motions of a file: its people or takes, whose clips are named "STEM_PART"; a single one
 // is named as the file's stem. With `options.part` that one alone. Throws DataError for unknown

@@ -150,6 +150,12 @@ std::string with_header(const std::string& descr, const std::string& shape) {
 }  // namespace
 
 NumpyArray parse_npy(std::string_view bytes, const std::string& file) {
+  NumpyArray array = parse_npy_header(bytes, file);
+  check_array_size(array, at_byte(file, bytes.size() - array.data.size()));
+  return array;
+}
+
+NumpyArray parse_npy_header(std::string_view bytes, const std::string& file) {
   if (bytes.substr(0, 6) != kMagic)
     throw DataError(at_byte(file, 0), "is not a .npy array: it does not begin with \\x93NUMPY");
   if (bytes.size() < 10)
@@ -169,7 +175,6 @@ NumpyArray parse_npy(std::string_view bytes, const std::string& file) {
                                           " bytes, more than are there or than 65536");
   NumpyArray array = HeaderParser(bytes.substr(start, length), start, file).parse();
   array.data = bytes.substr(start + length);
-  check_array_size(array, at_byte(file, start + length));
   return array;
 }
 

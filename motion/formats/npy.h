@@ -22,6 +22,9 @@ namespace mocaplm {
 // needs.
 NumpyArray parse_npy(std::string_view bytes, const std::string& file);
 
+// The same of a file's first bytes alone: type and shape are known, the data may be cut off.
+NumpyArray parse_npy_header(std::string_view bytes, const std::string& file);
+
 // The text of an array of one text or bytes element, as UTF-8 without its padding.
 std::string single_text(const NumpyArray& array, const Place& place);
 

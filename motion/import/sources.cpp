@@ -25,7 +25,7 @@ std::string below(const fs::path& given, const fs::path& path) {
 }
 
 bool holds_motion(const fs::path& path) {
-  return is_motion_file(path) && path.filename() != "shape.npz";
+  return looks_like_motion(path) && path.filename() != "shape.npz";
 }
 
 std::vector<fs::path> search(const fs::path& folder, std::size_t& ignored) {
@@ -115,7 +115,9 @@ Sources find_sources(const std::vector<std::string>& given, const std::set<std::
     if (fs::is_directory(status)) {
       for (const fs::path& file : search(path, sources.ignored)) add(path, file);
     } else if (!is_motion_file(path)) {
-      throw UsageError(text + ": not a motion file by its extension, expected .npz, .pkl or .bvh");
+      throw UsageError(
+          text +
+          ": not a motion file by its extension, expected .npz, .pkl, .bvh, .npy, .csv or .trc");
     } else {
       add(path, path);
     }

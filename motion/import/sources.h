@@ -24,11 +24,11 @@ struct Sources {
   std::size_t ignored = 0;        // other files in the folders
 };
 
-// Files as given, folders searched to the bottom for .npz, .pkl and .bvh; each file once, shape.npz
-// (which holds no motion) and links to folders left out. Names are stems; those that several files,
-// or `taken`, share get their folders' names in front, as do the others of their folder. Throws
-// DataError for what is not there, UsageError for a file that is given itself and has another
-// extension.
+// Files as given, folders searched to the bottom for .npz, .pkl, .bvh and .trc, and for .npy and
+// .csv that hold positions of joints; each file once, shape.npz (which holds no motion) and links
+// to folders left out. Names are stems; those that several files, or `taken`, share get their
+// folders' names in front, as do the others of their folder. Throws DataError for what is not
+// there, UsageError for a file that is given itself and has another extension.
 Sources find_sources(const std::vector<std::string>& given, const std::set<std::string>& taken);
 
 // A list of file names as people write them: a name, with or without folders before it, with or
