@@ -30,8 +30,8 @@ struct ConvertCommand {
 }  // namespace
 
 void add_convert(CLI::App& app) {
-  CLI::App* convert =
-      app.add_subcommand("convert", "turn motion files into .bvh, .npz, .glb (a figure) or .csv");
+  CLI::App* convert = app.add_subcommand(
+      "convert", "turn motion files into .bvh, .npz, .glb (a figure), .vrma or .csv");
   const auto command = std::make_shared<ConvertCommand>();
   ConvertJob& job = command->job;
   convert

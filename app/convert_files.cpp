@@ -16,13 +16,21 @@ namespace mocaplm {
 
 namespace {
 
+WriteOptions write_options(const ConvertConfig& config) {
+  WriteOptions options;
+  options.bvh_unit = config.write_unit == "m" ? BvhUnit::metres : BvhUnit::centimetres;
+  options.skeleton = out_scheme_of(config.skeleton);
+  return options;
+}
+
 // Where each motion goes.
-std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>& inputs) {
+std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>& inputs,
+                           const WriteOptions& options) {
   if (job.config.to == "auto") {
     if (inputs.size() > 1 || fs::is_directory(job.out))
       throw UsageError(job.out.string() + " is to be a folder: give --to " +
                        join(written_formats(), ", --to "));
-    check_written_format(job.out);
+    check_written_format(job.out, options);
     return {job.out};
   }
   if (fs::exists(job.out) && !fs::is_directory(job.out))
@@ -31,6 +39,7 @@ std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>
   std::map<fs::path, std::string> taken;
   for (const MotionInput& input : inputs) {
     files.push_back(job.out / (input.name + "." + job.config.to));
+    check_written_format(files.back(), options);
     const auto [first, fresh] = taken.emplace(files.back(), input.text);
     if (!fresh)
       throw UsageError(first->second + " and " + input.text + " would both be written to " +
@@ -53,13 +62,12 @@ std::string done_to_all(const ConvertConfig& config) {
 Table convert_files(const ConvertJob& job) {
   const std::vector<MotionInput> inputs = find_motions(job.inputs, job.clips);
   if (inputs.empty()) throw UsageError("there is nothing to convert");
-  const std::vector<fs::path> files = plan(job, inputs);
+  const WriteOptions options = write_options(job.config);
+  const std::vector<fs::path> files = plan(job, inputs, options);
   std::vector<fs::path> written = files;
   written.push_back(job.table);
   check_outputs(written, files_of(inputs));
   check_writable(files.front());
-  WriteOptions options;
-  options.bvh_unit = job.config.unit == "m" ? BvhUnit::metres : BvhUnit::centimetres;
 
   std::vector<std::vector<Json>> rows(inputs.size());
   std::mutex mutex;

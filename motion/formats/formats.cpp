@@ -15,7 +15,7 @@ namespace mocaplm {
 
 namespace {
 
-enum class Format { unknown, npz, pkl, bvh, glb, csv };
+enum class Format { unknown, npz, pkl, bvh, glb, vrma, csv };
 
 std::string title(Format format) {
   switch (format) {
@@ -34,12 +34,13 @@ std::string title(Format format) {
 
 Format by_extension(const fs::path& path) {
   const std::string extension = lower(path.extension().string());
-  return extension == ".npz"   ? Format::npz
-         : extension == ".pkl" ? Format::pkl
-         : extension == ".bvh" ? Format::bvh
-         : extension == ".glb" ? Format::glb
-         : extension == ".csv" ? Format::csv
-                               : Format::unknown;
+  return extension == ".npz"    ? Format::npz
+         : extension == ".pkl"  ? Format::pkl
+         : extension == ".bvh"  ? Format::bvh
+         : extension == ".glb"  ? Format::glb
+         : extension == ".vrma" ? Format::vrma
+         : extension == ".csv"  ? Format::csv
+                                : Format::unknown;
 }
 
 bool is_read(Format format) {
@@ -66,7 +67,7 @@ Format format_of(const fs::path& path) {
   const std::string head = read_head(path, 64);
   const Format named = by_extension(path), found = by_content(head);
   if (head.empty()) throw DataError(in_file(file), "is empty");
-  if ((named == Format::glb || named == Format::csv) && !is_read(found))
+  if ((named == Format::glb || named == Format::vrma || named == Format::csv) && !is_read(found))
     throw DataError(in_file(file), "is a " + path.extension().string() +
                                        ", which is written but not read; expected .npz (AMASS), "
                                        ".pkl (AIST++) or .bvh");
@@ -129,8 +130,8 @@ Clip read_clip(const fs::path& path, const ReadOptions& options, ReadReport* rep
   if (motions.size() > 1) {
     std::vector<std::string> names;
     for (const ReadMotion& motion : motions) names.push_back(motion.clip.name);
-    throw DataError(in_file(path.string()), "holds " + std::to_string(names.size()) +
-                                                " motions (" + join(names, ", ") +
+    throw DataError(in_file(path.string()), "holds " + std::to_string(names.size()) + " motions (" +
+                                                join(names, ", ") +
                                                 "), expected one: name one as FILE#PART");
   }
   if (report != nullptr) *report = std::move(motions.front().report);
@@ -138,26 +139,38 @@ Clip read_clip(const fs::path& path, const ReadOptions& options, ReadReport* rep
 }
 
 const std::vector<std::string>& written_formats() {
-  static const std::vector<std::string> formats = {"npz", "bvh", "glb", "csv"};
+  static const std::vector<std::string> formats = {"npz", "bvh", "glb", "vrma", "csv"};
   return formats;
 }
 
-void check_written_format(const fs::path& path) {
+void check_written_format(const fs::path& path, const WriteOptions& options) {
   const Format format = by_extension(path);
+  const std::string name = "\"" + path.string() + "\"";
   if (format == Format::unknown || format == Format::pkl)
-    throw UsageError("cannot write motion to \"" + path.string() + "\": the name must end in ." +
+    throw UsageError("cannot write motion to " + name + ": the name must end in ." +
                      join(written_formats(), ", ."));
+  if (options.bvh_unit == BvhUnit::metres && format != Format::bvh)
+    throw UsageError("a unit is written to a .bvh only, and " + name + " is none");
+  if (options.skeleton == OutScheme::smpl || format == Format::bvh || format == Format::glb) return;
+  if (format != Format::vrma)
+    throw UsageError("the skeleton of " + to_string(options.skeleton) +
+                     " is written to a .bvh or a .glb only, and " + name + " is none");
+  if (options.skeleton != OutScheme::vrm)
+    throw UsageError("a .vrma has the skeleton of vrm, and that of " + to_string(options.skeleton) +
+                     " is asked for in " + name);
 }
 
 void write_clip(const fs::path& path, const Clip& clip, const WriteOptions& options) {
-  check_written_format(path);
+  check_written_format(path, options);
   switch (by_extension(path)) {
     case Format::npz:
       return write_npz(path, clip);
     case Format::bvh:
-      return write_bvh(path, clip, options.bvh_unit);
+      return write_bvh(path, clip, options.bvh_unit, options.skeleton);
     case Format::glb:
-      return write_glb(path, clip);
+      return write_glb(path, clip, options.skeleton);
+    case Format::vrma:
+      return write_vrma(path, clip);
     default:
       return write_joint_csv(path, clip);
   }

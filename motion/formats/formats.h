@@ -9,6 +9,7 @@
 
 #include "motion/clip.h"
 #include "motion/formats/bvh_unit.h"
+#include "motion/formats/out_scheme.h"
 #include "motion/formats/retarget_report.h"
 #include "motion/formats/up_axis.h"
 
@@ -18,11 +19,11 @@ namespace mocaplm {
 struct ReadOptions {
   std::optional<double> fps;      // overrides the file's rate; (0, 10000]
   UpAxis up = UpAxis::automatic;  // overrides the format's up axis
-  std::optional<double> unit;     // metres per unit of the file, where lengths have one; 1e-6 to 1e6
-  std::string bvh_map;            // a JSON map for a skeleton that is not recognised
-  bool keep_path = false;         // the root's own path, not scaled by the legs
-  bool fill_gaps = false;         // values that are nan for up to a second are interpolated
-  std::int64_t drop_first = 0;    // leading frames to leave out
+  std::optional<double> unit;   // metres per unit of the file, where lengths have one; 1e-6 to 1e6
+  std::string bvh_map;          // a JSON map for a skeleton that is not recognised
+  bool keep_path = false;       // the root's own path, not scaled by the legs
+  bool fill_gaps = false;       // values that are nan for up to a second are interpolated
+  std::int64_t drop_first = 0;  // leading frames to leave out
   std::string part;  // of a file with several people or takes: the name of one; "": its only one
   std::string body;  // an SMPL model file: joints of the clip's own shape
 };
@@ -61,18 +62,20 @@ Clip read_clip(const std::filesystem::path& path, const ReadOptions& options = {
                ReadReport* report = nullptr);
 
 struct WriteOptions {
-  BvhUnit bvh_unit = BvhUnit::centimetres;
+  BvhUnit bvh_unit = BvhUnit::centimetres;  // .bvh
+  OutScheme skeleton = OutScheme::smpl;     // .bvh, .glb; a .vrma always has VRM's
 };
 
-// What write_clip can write, without a dot: "npz", "bvh", "glb", "csv".
+// What write_clip can write, without a dot: "npz", "bvh", "glb", "vrma", "csv".
 const std::vector<std::string>& written_formats();
 
-// Throws UsageError unless the path's extension is one of these, in any case.
-void check_written_format(const std::filesystem::path& path);
+// Throws UsageError unless the path's extension is one of these, in any case, and its format has
+// what the options ask for.
+void check_written_format(const std::filesystem::path& path, const WriteOptions& options = {});
 
-// Writes an AMASS .npz, a .bvh, a .glb with a figure (glb.h) or a .csv of joint positions
-// (joint_csv.h), by the extension. Throws UsageError for other extensions, DataError when the clip
-// is not sound or the disk refuses.
+// Writes an AMASS .npz, a .bvh, a .glb with a figure or a .vrma (glb.h) or a .csv of joint
+// positions (joint_csv.h), by the extension. Throws as check_written_format does, and DataError
+// when the clip is not sound or the disk refuses.
 void write_clip(const std::filesystem::path& path, const Clip& clip,
                 const WriteOptions& options = {});
 
