@@ -44,6 +44,11 @@ void add_convert(CLI::App& app) {
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);  // what follows is a motion again
+  convert
+      ->add_option(
+          "--character", job.character,
+          "a character (.glb, .vrm) that gets the motion: a .glb with its own mesh and skin")
+      ->type_name("FILE");
   add_read_options(*convert, job.read);
   add_threads_option(*convert, job.threads, "files at a time; 0: one for each core");
   add_json_option(*convert, command->json);

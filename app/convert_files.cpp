@@ -8,6 +8,7 @@
 #include "common/parallel.h"
 #include "common/progress.h"
 #include "common/text.h"
+#include "motion/formats/character.h"
 #include "motion/inputs.h"
 
 namespace fs = std::filesystem;
@@ -16,10 +17,11 @@ namespace mocaplm {
 
 namespace {
 
-WriteOptions write_options(const ConvertConfig& config) {
+WriteOptions write_options(const ConvertJob& job) {
   WriteOptions options;
-  options.bvh_unit = config.write_unit == "m" ? BvhUnit::metres : BvhUnit::centimetres;
-  options.skeleton = out_scheme_of(config.skeleton);
+  options.bvh_unit = job.config.write_unit == "m" ? BvhUnit::metres : BvhUnit::centimetres;
+  options.skeleton = out_scheme_of(job.config.skeleton);
+  if (!job.character.empty()) options.character = std::make_shared<const Character>(job.character);
   return options;
 }
 
@@ -48,6 +50,18 @@ std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>
   return files;
 }
 
+// Which bones of the character move: whoever reads it sees what was taken for what.
+std::string moved_bones(const Character& character) {
+  std::vector<std::string> moved, still;
+  for (const auto& [joint, bone] : character.bones()) {
+    if (!bone.empty())
+      moved.push_back(joint + " " + bone);
+    else if (joint != "left_hand" && joint != "right_hand")
+      still.push_back(joint);
+  }
+  return "bones: " + join(moved, ", ") + (still.empty() ? "" : "; none for " + join(still, ", "));
+}
+
 std::string done_to_all(const ConvertConfig& config) {
   std::vector<std::string> done;
   if (config.edit.fps > 0) done.push_back("resampled");
@@ -62,11 +76,13 @@ std::string done_to_all(const ConvertConfig& config) {
 Table convert_files(const ConvertJob& job) {
   const std::vector<MotionInput> inputs = find_motions(job.inputs, job.clips);
   if (inputs.empty()) throw UsageError("there is nothing to convert");
-  const WriteOptions options = write_options(job.config);
+  const WriteOptions options = write_options(job);
   const std::vector<fs::path> files = plan(job, inputs, options);
   std::vector<fs::path> written = files;
   written.push_back(job.table);
-  check_outputs(written, files_of(inputs));
+  std::vector<fs::path> read = files_of(inputs);
+  read.push_back(job.character);
+  check_outputs(written, read);
   check_writable(files.front());
 
   std::vector<std::vector<Json>> rows(inputs.size());
@@ -86,6 +102,7 @@ Table convert_files(const ConvertJob& job) {
   for (std::vector<Json>& row : rows) table.row(std::move(row));
   const std::string done = done_to_all(job.config);
   if (!done.empty()) table.note(done);
+  if (options.character) table.note(moved_bones(*options.character));
   for (const MotionInput& input : inputs)
     if (input.dataset && input.dataset->procedural) {
       table.note("procedural dances: rules made them, nobody danced them");

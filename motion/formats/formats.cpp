@@ -4,6 +4,7 @@
 #include "common/files.h"
 #include "common/text.h"
 #include "motion/formats/aist.h"
+#include "motion/formats/character.h"
 #include "motion/formats/glb.h"
 #include "motion/formats/joint_csv.h"
 #include "motion/formats/npz.h"
@@ -151,6 +152,11 @@ void check_written_format(const fs::path& path, const WriteOptions& options) {
                      join(written_formats(), ", ."));
   if (options.bvh_unit == BvhUnit::metres && format != Format::bvh)
     throw UsageError("a unit is written to a .bvh only, and " + name + " is none");
+  if (options.character && format != Format::glb)
+    throw UsageError("a character is written to a .glb only, and " + name + " is none");
+  if (options.character && options.skeleton != OutScheme::smpl)
+    throw UsageError("a character has a skeleton of its own, and that of " +
+                     to_string(options.skeleton) + " is asked for in " + name);
   if (options.skeleton == OutScheme::smpl || format == Format::bvh || format == Format::glb) return;
   if (format != Format::vrma)
     throw UsageError("the skeleton of " + to_string(options.skeleton) +
@@ -168,7 +174,9 @@ void write_clip(const fs::path& path, const Clip& clip, const WriteOptions& opti
     case Format::bvh:
       return write_bvh(path, clip, options.bvh_unit, options.skeleton);
     case Format::glb:
-      return write_glb(path, clip, options.skeleton);
+      if (!options.character) return write_glb(path, clip, options.skeleton);
+      check_clip(clip, path.string());
+      return write_file(path, options.character->animated(clip));
     case Format::vrma:
       return write_vrma(path, clip);
     default:

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,9 +62,12 @@ std::vector<ReadMotion> read_clips(const std::filesystem::path& path,
 Clip read_clip(const std::filesystem::path& path, const ReadOptions& options = {},
                ReadReport* report = nullptr);
 
+class Character;  // motion/formats/character.h
+
 struct WriteOptions {
-  BvhUnit bvh_unit = BvhUnit::centimetres;  // .bvh
-  OutScheme skeleton = OutScheme::smpl;     // .bvh, .glb; a .vrma always has VRM's
+  BvhUnit bvh_unit = BvhUnit::centimetres;     // .bvh
+  OutScheme skeleton = OutScheme::smpl;        // .bvh, .glb; a .vrma always has VRM's
+  std::shared_ptr<const Character> character;  // .glb: this figure moves, not the program's own
 };
 
 // What write_clip can write, without a dot: "npz", "bvh", "glb", "vrma", "csv".

@@ -100,6 +100,19 @@ TEST_F(Convert, WritesTheSkeletonsOfOtherPrograms) {
   converts(at("walk.npz") + " " + at("same.vrma") + " --skeleton vrm");
 }
 
+TEST_F(Convert, PutsTheMotionOnACharacter) {
+  converts(at("walk.npz") + " " + at("hero.glb") + " --skeleton mixamo");
+  const std::string before = read_file(at("hero.glb"));
+  converts(at("data") + " " + at("heroes") + " --to glb --character " + at("hero.glb"));
+  EXPECT_EQ(GlbFile(read_file(at("heroes/a.glb"))).json["animations"].size(), 2u);
+  const std::string walk = at("walk.npz"), hero = " --character " + at("hero.glb");
+  refused(walk + " " + at("y.bvh") + hero, 2, ".glb");
+  refused(walk + " " + at("y.glb") + " --skeleton vrm" + hero, 2, "skeleton");
+  refused(walk + " " + at("hero.glb") + hero, 2, "is read");
+  refused(walk + " " + at("y.glb") + " --character " + walk, 3, "glTF");
+  EXPECT_EQ(read_file(at("hero.glb")), before);
+}
+
 TEST_F(Convert, RefusesOptionsWithoutEffect) {
   const std::string walk = at("walk.npz");
   refused(walk + " " + at("y.npz") + " --skeleton unity", 2, ".bvh or a .glb");
