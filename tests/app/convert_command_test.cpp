@@ -87,7 +87,8 @@ TEST_F(Convert, WritesAFigureAndATableOfJoints) {
 TEST_F(Convert, WritesTheSkeletonsOfOtherPrograms) {
   const auto names = [](const std::string& file) {
     std::vector<std::string> found;
-    for (const Json& node : GlbFile(read_file(file)).json["nodes"]) found.push_back(node["name"]);
+    const GlbFile glb(read_file(file));
+    for (const Json& node : glb.json["nodes"]) found.push_back(node["name"]);
     return found;
   };
   converts(at("walk.npz") + " " + at("mixamo.bvh") + " --skeleton mixamo");
