@@ -256,6 +256,10 @@ double Character::scale(const Clip& clip) const {
 
 std::string Character::animated(const Clip& clip) const {
   const Parts& parts = *parts_;
+  if (clip.frames() > kMaxGlbFrames)
+    throw DataError(in_file(clip.name),
+                    "has " + std::to_string(clip.frames()) + " frames, more than the " +
+                        std::to_string(kMaxGlbFrames) + " of a .glb: write a part");
   const RestJoints& body = rest_joints(clip);
   const Quaternions laid = parts.laid_as(body);
   const double size = scale(clip);

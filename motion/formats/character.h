@@ -33,7 +33,7 @@ class Character {
   // Length of the character's legs over those of the clip's body.
   double scale(const Clip& clip) const;
 
-  // The file with the clip as the first of its animations.
+  // The file with the clip as the first of its animations. Throws DataError over 2^23 frames.
   std::string animated(const Clip& clip) const;
 
  private:

@@ -14,8 +14,6 @@ namespace mocaplm {
 
 namespace {
 
-// So many frames have times that differ as 4-byte floats at any rate, and fit into 4 GiB.
-constexpr Eigen::Index kMaxFrames = Eigen::Index{1} << 23;
 constexpr const char* kVrmAnimation = "VRMC_vrm_animation";
 
 std::vector<float> floats(const MeshPoints& points) {
@@ -139,9 +137,9 @@ Json animation(const OutSkeleton& skeleton, const Clip& clip, const std::string&
 
 std::string checked_name(const Clip& clip, const char* extension) {
   const std::string name = clip.name.empty() ? "motion" : clip.name;
-  if (clip.frames() > kMaxFrames)
+  if (clip.frames() > kMaxGlbFrames)
     throw DataError(in_file(name), "has " + std::to_string(clip.frames()) +
-                                       " frames, more than the " + std::to_string(kMaxFrames) +
+                                       " frames, more than the " + std::to_string(kMaxGlbFrames) +
                                        " of a " + extension + ": write a part");
   return name;
 }

@@ -11,6 +11,9 @@
 
 namespace mocaplm {
 
+// So many frames have times that differ as 4-byte floats at any rate, and fit into 4 GiB.
+constexpr std::int64_t kMaxGlbFrames = std::int64_t{1} << 23;
+
 // glTF's numbers for the type of a component, and for what a piece of the buffer is for.
 enum GlbComponent { kUint8 = 5121, kUint16 = 5123, kFloat = 5126 };
 enum GlbTarget { kNoTarget = 0, kVertices = 34962, kIndices = 34963 };
