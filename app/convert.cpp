@@ -30,8 +30,8 @@ struct ConvertCommand {
 }  // namespace
 
 void add_convert(CLI::App& app) {
-  CLI::App* convert =
-      app.add_subcommand("convert", "turn motion files into .bvh, .npz, .glb (a figure) or .csv");
+  CLI::App* convert = app.add_subcommand(
+      "convert", "turn motion files into .bvh, .npz, .glb (a figure), .vrma or .csv");
   const auto command = std::make_shared<ConvertCommand>();
   ConvertJob& job = command->job;
   convert
@@ -44,6 +44,11 @@ void add_convert(CLI::App& app) {
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);  // what follows is a motion again
+  convert
+      ->add_option(
+          "--character", job.character,
+          "a character (.glb, .vrm) that gets the motion: a .glb with its own mesh and skin")
+      ->type_name("FILE");
   add_read_options(*convert, job.read);
   add_threads_option(*convert, job.threads, "files at a time; 0: one for each core");
   add_json_option(*convert, command->json);

@@ -15,6 +15,7 @@ struct ConvertJob {
   std::vector<std::string> inputs;  // files, parts of them, dataset folders (motion/inputs.h)
   std::vector<std::string> clips;   // of the dataset folders; none: all
   std::filesystem::path out;        // one file, by its ending, or with config.to a folder
+  std::filesystem::path character;  // a .glb whose figure gets the motions, or empty
   ReadOptions read;
   ConvertConfig config;
   std::int64_t threads = 0;     // 0: all cores

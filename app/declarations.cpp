@@ -85,8 +85,8 @@ void add_options(const CLI::App& app, const std::string& group,
 
 std::vector<std::string> endings_in(const std::string& help) {
   std::vector<std::string> found;
-  for (const char* ending :
-       {"npz", "pkl", "bvh", "glb", "csv", "json", "html", "svg", "txt", "gif", "mp4", "png"})
+  for (const char* ending : {"npz", "pkl", "bvh", "glb", "vrma", "csv", "json", "html", "svg",
+                             "txt", "gif", "mp4", "png"})
     if (help.find(std::string(".") + ending) != std::string::npos) found.push_back(ending);
   return found;
 }

@@ -186,8 +186,9 @@ Describe describer_of(const std::string& ending) {
       {".txt", describe_corpus},   {".csv", describe_csv},
       {".jsonl", describe_lines},  {".index", describe_index},
       {".model", describe_pieces}, {".safetensors", describe_safetensors},
-      {".glb", describe_glb},      {".png", describe_film},
-      {".gif", describe_film},     {".mp4", describe_film}};
+      {".glb", describe_glb},      {".vrma", describe_glb},
+      {".png", describe_film},     {".gif", describe_film},
+      {".mp4", describe_film}};
   const auto found = all.find(ending);
   return found == all.end() ? nullptr : found->second;
 }

@@ -39,7 +39,7 @@ std::vector<Table> describe_csv(const std::filesystem::path& file);
 std::vector<Table> describe_lines(const std::filesystem::path& file);
 std::vector<Table> describe_index(const std::filesystem::path& file);
 
-// What convert (.glb) and render (.png, .gif, .mp4) write.
+// What convert (.glb, .vrma) and render (.png, .gif, .mp4) write.
 std::vector<Table> describe_glb(const std::filesystem::path& file);
 std::vector<Table> describe_film(const std::filesystem::path& file);
 

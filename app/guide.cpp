@@ -35,6 +35,7 @@ std::vector<CommandGuide> motion_guides() {
       {"convert",
        kMotion,
        {{"convert clip.bvh clip.glb", "a skinned figure for Blender and any viewer"},
+        {"convert clip.bvh hero.bvh --skeleton mixamo", "on the joints of a Mixamo character"},
         {"convert clip.bvh dance.npz --fps 30 --mirror --to npz mirrored",
          "mirrored .npz files in a folder"}}},
       {"render",

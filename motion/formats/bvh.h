@@ -20,6 +20,7 @@
 
 #include "motion/clip.h"
 #include "motion/formats/bvh_unit.h"
+#include "motion/formats/out_scheme.h"
 
 namespace mocaplm {
 
@@ -70,12 +71,13 @@ void pose_bvh_values(const Bvh& bvh, const double* values, BvhPose& pose);
 // The zero pose: no rotation, joints at their OFFSETs.
 BvhPose rest_bvh(const Bvh& bvh);
 
-// A clip as BVH text: SMPL's 24 joints by name with their rest offsets, six channels for the pelvis
-// and ZXY rotations for all joints. Reading it back with read_bvh_clip gives the same rotations to
-// 1e-7 rad and the same translation to 1e-8 m.
-std::string bvh_text(const Clip& clip, BvhUnit unit = BvhUnit::centimetres);
+// A clip as BVH text on the skeleton of `scheme`: six channels for the joint that travels and for
+// the root, ZXY rotations for all joints. As SMPL's own 24 joints, reading it back with
+// read_bvh_clip gives the same rotations to 1e-7 rad and the same translation to 1e-8 m.
+std::string bvh_text(const Clip& clip, BvhUnit unit = BvhUnit::centimetres,
+                     OutScheme scheme = OutScheme::smpl);
 // Writes it; throws DataError when the clip is not sound (check_clip) or the disk refuses.
 void write_bvh(const std::filesystem::path& path, const Clip& clip,
-               BvhUnit unit = BvhUnit::centimetres);
+               BvhUnit unit = BvhUnit::centimetres, OutScheme scheme = OutScheme::smpl);
 
 }  // namespace mocaplm

@@ -4,8 +4,8 @@
 #include "common/files.h"
 #include "common/text.h"
 #include "motion/formats/bvh.h"
+#include "motion/formats/skeletons.h"
 #include "motion/rotation.h"
-#include "motion/skeleton.h"
 
 namespace mocaplm {
 
@@ -29,28 +29,39 @@ void append_offset(std::string& text, const std::string& indent, const Eigen::Ve
   text += '\n';
 }
 
-void append_joint(std::string& text, int joint, const std::string& indent, const Lengths& lengths) {
-  const auto j = static_cast<std::size_t>(joint);
-  const int parent = joint_parents()[j];
-  const RestJoints& rest = rest_joints();
-  text += indent + (parent < 0 ? "ROOT " : "JOINT ") + joint_names()[j] + "\n" + indent + "{\n";
+std::vector<int> children_of(const OutSkeleton& skeleton, int joint) {
+  std::vector<int> children;
+  for (std::size_t i = 0; i < skeleton.joints.size(); ++i)
+    if (skeleton.joints[i].parent == joint) children.push_back(static_cast<int>(i));
+  return children;
+}
+
+// A joint with six channels carries a position: the root, and the joint that travels.
+bool has_place(const OutJoint& joint) {
+  return joint.parent < 0 || joint.travels;
+}
+
+// Appends a joint and all below it to the text and their indices to `order`.
+void append_joint(std::string& text, const OutSkeleton& skeleton, int index,
+                  const std::string& indent, const Lengths& lengths, std::vector<int>& order) {
+  order.push_back(index);
+  const OutJoint& joint = skeleton.joints[static_cast<std::size_t>(index)];
+  text += indent + (joint.parent < 0 ? "ROOT " : "JOINT ") + joint.name + "\n" + indent + "{\n";
   const std::string inside = indent + "  ";
-  const Eigen::RowVector3d origin =
-      parent < 0 ? Eigen::RowVector3d(0, 0, 0) : Eigen::RowVector3d(rest.row(parent));
-  append_offset(text, inside, (rest.row(joint) - origin).transpose(), lengths);
-  text += inside + (parent < 0
+  Eigen::Vector3d offset = joint.rest;
+  if (joint.parent >= 0) offset -= skeleton.joints[static_cast<std::size_t>(joint.parent)].rest;
+  // SMPL's own rest pose has its origin in the middle of the body; the others stand on the floor.
+  else if (skeleton.scheme != OutScheme::smpl)
+    offset.y() += skeleton.lift;
+  append_offset(text, inside, offset, lengths);
+  text += inside + (has_place(joint)
                         ? "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
                         : "CHANNELS 3 Zrotation Xrotation Yrotation\n");
-  bool leaf = true;
-  for (int child = joint + 1; child < kJoints; ++child)
-    if (joint_parents()[static_cast<std::size_t>(child)] == joint) {
-      append_joint(text, child, inside, lengths);
-      leaf = false;
-    }
-  if (leaf) {  // a short bone in the parent's direction, so that viewers draw the last joint
-    const Eigen::Vector3d bone = (rest.row(joint) - rest.row(parent)).transpose();
+  const std::vector<int> children = children_of(skeleton, index);
+  for (const int child : children) append_joint(text, skeleton, child, inside, lengths, order);
+  if (children.empty() && joint.end) {
     text += inside + "End Site\n" + inside + "{\n";
-    append_offset(text, inside + "  ", bone, lengths);
+    append_offset(text, inside + "  ", *joint.end, lengths);
     text += inside + "}\n";
   }
   text += indent + "}\n";
@@ -73,44 +84,49 @@ Eigen::Vector3d continuous_euler(const Eigen::Matrix3d& matrix, const Eigen::Vec
   return (other - previous).squaredNorm() < (best - previous).squaredNorm() - 1e-9 ? other : best;
 }
 
-// Joints in the order in which the hierarchy is written: depth first.
-void order_joints(int joint, std::vector<int>& order) {
-  order.push_back(joint);
-  for (int child = joint + 1; child < kJoints; ++child)
-    if (joint_parents()[static_cast<std::size_t>(child)] == joint) order_joints(child, order);
+void append_place(std::string& text, const Eigen::Vector3d& place, int digits) {
+  for (int axis = 0; axis < 3; ++axis) {
+    append_fixed(text, place[axis], digits);
+    text += ' ';
+  }
 }
 
 }  // namespace
 
-std::string bvh_text(const Clip& clip, BvhUnit unit) {
+std::string bvh_text(const Clip& clip, BvhUnit unit, OutScheme scheme) {
   const Lengths& lengths = unit == BvhUnit::metres ? kMetres : kCentimetres;
+  const OutSkeleton skeleton = out_skeleton(clip, scheme);
   std::string text = "HIERARCHY\n";
-  append_joint(text, 0, "", lengths);
+  std::vector<int> order;
+  append_joint(text, skeleton, 0, "", lengths, order);
   text += "MOTION\nFrames: " + std::to_string(clip.frames()) + "\nFrame Time: ";
   append_fixed(text, 1 / clip.fps, 15);
   text += '\n';
-  std::vector<int> order;
-  order_joints(0, order);
-  Eigen::Matrix<double, 3, kJoints> previous = Eigen::Matrix<double, 3, kJoints>::Zero();
+  std::vector<Eigen::Vector3d> previous(skeleton.joints.size(), Eigen::Vector3d::Zero());
   for (Eigen::Index t = 0; t < clip.frames(); ++t) {
-    const Eigen::Vector3d pelvis =
-        (clip.trans.row(t) + rest_joints().row(0)).transpose() * lengths.per_metre;
-    append_fixed(text, pelvis.x(), lengths.channel_digits);
-    append_fixed(text += ' ', pelvis.y(), lengths.channel_digits);
-    append_fixed(text += ' ', pelvis.z(), lengths.channel_digits);
-    for (const int joint : order) {
-      const Eigen::Vector3d v = clip.poses.row(t).segment<3>(3 * joint).transpose();
-      previous.col(joint) = continuous_euler(matrix_from_axis_angle(v), previous.col(joint));
-      for (int i = 0; i < 3; ++i) append_fixed(text += ' ', previous(i, joint) * 180 / kPi, 7);
+    for (const int index : order) {
+      const auto i = static_cast<std::size_t>(index);
+      const OutJoint& joint = skeleton.joints[i];
+      if (joint.travels)
+        append_place(text, out_place(clip, t) * lengths.per_metre, lengths.channel_digits);
+      else if (has_place(joint))
+        append_place(text, Eigen::Vector3d::Zero(), lengths.channel_digits);
+      previous[i] =
+          continuous_euler(out_rotation(skeleton, clip, t, i).toRotationMatrix(), previous[i]);
+      for (int axis = 0; axis < 3; ++axis) {
+        append_fixed(text, previous[i][axis] * 180 / kPi, 7);
+        text += ' ';
+      }
     }
-    text += '\n';
+    text.back() = '\n';
   }
   return text;
 }
 
-void write_bvh(const std::filesystem::path& path, const Clip& clip, BvhUnit unit) {
+void write_bvh(const std::filesystem::path& path, const Clip& clip, BvhUnit unit,
+               OutScheme scheme) {
   check_clip(clip, path.string());
-  write_file(path, bvh_text(clip, unit));
+  write_file(path, bvh_text(clip, unit, scheme));
 }
 
 }  // namespace mocaplm

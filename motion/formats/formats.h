@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "motion/clip.h"
 #include "motion/formats/bvh_unit.h"
+#include "motion/formats/out_scheme.h"
 #include "motion/formats/remark.h"
 #include "motion/formats/retarget_report.h"
 #include "motion/formats/up_axis.h"
@@ -59,19 +61,24 @@ std::vector<ReadMotion> read_clips(const std::filesystem::path& path,
 Clip read_clip(const std::filesystem::path& path, const ReadOptions& options = {},
                ReadReport* report = nullptr);
 
+class Character;  // motion/formats/character.h
+
 struct WriteOptions {
-  BvhUnit bvh_unit = BvhUnit::centimetres;
+  BvhUnit bvh_unit = BvhUnit::centimetres;     // .bvh
+  OutScheme skeleton = OutScheme::smpl;        // .bvh, .glb; a .vrma always has VRM's
+  std::shared_ptr<const Character> character;  // .glb: this figure moves, not the program's own
 };
 
-// What write_clip can write, without a dot: "npz", "bvh", "glb", "csv".
+// What write_clip can write, without a dot: "npz", "bvh", "glb", "vrma", "csv".
 const std::vector<std::string>& written_formats();
 
-// Throws UsageError unless the path's extension is one of these, in any case.
-void check_written_format(const std::filesystem::path& path);
+// Throws UsageError unless the path's extension is one of these, in any case, and its format has
+// what the options ask for.
+void check_written_format(const std::filesystem::path& path, const WriteOptions& options = {});
 
-// Writes an AMASS .npz, a .bvh, a .glb with a figure (glb.h) or a .csv of joint positions
-// (joint_csv.h), by the extension. Throws UsageError for other extensions, DataError when the clip
-// is not sound or the disk refuses.
+// Writes an AMASS .npz, a .bvh, a .glb with a figure or a .vrma (glb.h) or a .csv of joint
+// positions (joint_csv.h), by the extension. Throws as check_written_format does, and DataError
+// when the clip is not sound or the disk refuses.
 void write_clip(const std::filesystem::path& path, const Clip& clip,
                 const WriteOptions& options = {});
 

@@ -59,7 +59,7 @@ TemporaryFolder* Convert::folder_ = nullptr;
 TEST_F(Convert, GoesThroughEveryEndingThatIsRead) {
   converts(at("walk.npz") + " " + at("cm.bvh"));
   converts(at("cm.bvh") + " " + at("again.npz"));
-  converts(at("again.npz") + " --unit m " + at("m.bvh"));
+  converts(at("again.npz") + " --write-unit m " + at("m.bvh"));
   for (const char* name : {"cm.bvh", "again.npz", "m.bvh"}) {
     const Clip back = read_clip(at(name));
     EXPECT_LT(way_apart(back, walk()), 1e-6) << name;
@@ -82,6 +82,48 @@ TEST_F(Convert, WritesAFigureAndATableOfJoints) {
   const Csv table = read_csv(at("walk.csv"));
   ASSERT_EQ(table.rows.size(), 60u);
   EXPECT_NEAR(std::stod(table.rows[41][table.column("left_hand_y")]), truth(22, 1), 1e-6);
+}
+
+TEST_F(Convert, WritesTheSkeletonsOfOtherPrograms) {
+  const auto names = [](const std::string& file) {
+    std::vector<std::string> found;
+    const GlbFile glb(read_file(file));
+    for (const Json& node : glb.json["nodes"]) found.push_back(node["name"]);
+    return found;
+  };
+  converts(at("walk.npz") + " " + at("mixamo.bvh") + " --skeleton mixamo");
+  EXPECT_NE(read_file(at("mixamo.bvh")).find("ROOT mixamorig:Hips"), std::string::npos);
+  EXPECT_LT(way_apart(read_clip(at("mixamo.bvh")), walk()), 1e-3);
+  converts(at("walk.npz") + " " + at("unreal.glb") + " --skeleton unreal");
+  EXPECT_EQ(names(at("unreal.glb"))[1], "pelvis");
+  converts(at("data") + " " + at("vrm") + " --to vrma");
+  EXPECT_EQ(names(at("vrm/a.vrma"))[0], "hips");
+  converts(at("walk.npz") + " " + at("same.vrma") + " --skeleton vrm");
+}
+
+TEST_F(Convert, PutsTheMotionOnACharacter) {
+  converts(at("walk.npz") + " " + at("hero.glb") + " --skeleton mixamo");
+  const std::string before = read_file(at("hero.glb"));
+  converts(at("data") + " " + at("heroes") + " --to glb --character " + at("hero.glb"));
+  EXPECT_EQ(GlbFile(read_file(at("heroes/a.glb"))).json["animations"].size(), 2u);
+  const std::string walk = at("walk.npz"), hero = " --character " + at("hero.glb");
+  refused(walk + " " + at("y.bvh") + hero, 2, ".glb");
+  refused(walk + " " + at("y.glb") + " --skeleton vrm" + hero, 2, "skeleton");
+  refused(walk + " " + at("hero.glb") + hero, 2, "is read");
+  refused(walk + " " + at("y.glb") + " --character " + walk, 3, "glTF");
+  EXPECT_EQ(read_file(at("hero.glb")), before);
+}
+
+TEST_F(Convert, RefusesOptionsWithoutEffect) {
+  const std::string walk = at("walk.npz");
+  refused(walk + " " + at("y.npz") + " --skeleton unity", 2, ".bvh or a .glb");
+  refused(walk + " " + at("y.csv") + " --skeleton unity", 2, ".bvh or a .glb");
+  refused(walk + " " + at("y.vrma") + " --skeleton unity", 2, "vrm");
+  refused(walk + " " + at("y") + " --to npz --skeleton cmu", 2, ".bvh or a .glb");
+  refused(walk + " " + at("y.glb") + " --write-unit m", 2, "unit");
+  refused(walk + " " + at("y.bvh") + " --skeleton mixame", 2, "mixamo");
+  for (const char* name : {"y.npz", "y.csv", "y.vrma", "y", "y.glb", "y.bvh"})
+    EXPECT_FALSE(fs::exists(at(name))) << name;
 }
 
 TEST_F(Convert, EditsOnTheWay) {
@@ -138,7 +180,7 @@ TEST_F(Convert, RefusesWhatCannotBe) {
   refused(walk + " " + folder_->path().string() + " --to npz", 2, "another name");
   refused(walk + " " + walk + " --to npz", 2, "is a file");
   refused(walk + ":5-6 " + at("x.bvh"), 2, "begins at 5");
-  refused(walk + " " + at("x.bvh") + " --fps 0.000001 --unit inch", 2, "inch");
+  refused(walk + " " + at("x.bvh") + " --fps 0.000001 --write-unit inch", 2, "inch");
   refused(at("data") + " --clip c " + at("x.bvh"), 2, "no clip is named");
   refused(walk + " --clip a " + at("x.bvh"), 2, "none was given");
   refused(at("none.npz") + " " + at("x.bvh"), 3, "none.npz");

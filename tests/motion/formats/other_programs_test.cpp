@@ -64,15 +64,27 @@ TEST_F(OtherPrograms, GltfValidatorHasNothingToSay) {
     validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[3])), {maxIssues: 50})
         .then((report) => console.log(JSON.stringify(report)));
   )");
-  for (const std::string& file :
-       {write("moving.glb").string(), (scratch_ / "still.glb").string()}) {
+  std::vector<std::string> files = {(scratch_ / "still.glb").string()};
+  for (const std::string& skeleton : out_scheme_names()) {
+    WriteOptions options;
+    options.skeleton = out_scheme_of(skeleton);
+    files.push_back(write(skeleton + ".glb", options).string());
+  }
+  files.push_back(write("moving.vrma").string());
+  for (const std::string& file : files) {
+    const bool vrma = file == files.back();
     const Ran ran = run_shell(node + " " + shell_word(script) + " " + shell_word(validator) + " " +
                               shell_word(file));
     ASSERT_EQ(ran.code, 0) << ran.text;
     const Json report = Json::parse(ran.text);
-    EXPECT_EQ(report["issues"]["messages"], Json::array()) << report.dump(2);
+    Json messages = Json::array();
+    for (const Json& message : report["issues"]["messages"])
+      // It does not know the extension, and takes bones without a skin for nodes without a use.
+      if (!vrma || (message["code"] != "UNSUPPORTED_EXTENSION" && message["code"] != "NODE_EMPTY"))
+        messages.push_back(message);
+    EXPECT_EQ(messages, Json::array()) << file << "\n" << report.dump(2);
     EXPECT_EQ(report["info"]["animationCount"], 1);
-    EXPECT_EQ(report["info"]["hasSkins"], true);
+    EXPECT_EQ(report["info"]["hasSkins"], !vrma);
   }
 }
 
