@@ -12,6 +12,9 @@ namespace mocaplm {
 
 namespace {
 
+// While --unit is the unit of the .bvh that is written.
+constexpr bool kReadUnit = false;
+
 struct ConvertCommand {
   ConvertJob job;
   std::vector<std::string> names;
@@ -36,15 +39,15 @@ void add_convert(CLI::App& app) {
   ConvertJob& job = command->job;
   convert
       ->add_option("CLIP... OUT", command->names,
-                   "motion files (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds), or dataset "
-                   "folders; last the file to write, or with --to a folder")
+                   kMotionFiles + std::string("or dataset folders; last the file to write, or with "
+                                              "--to a folder"))
       ->required();
   bind_options(*convert, job.config);
   convert->add_option("--clip", job.clips, "these clips of the dataset folders (default: all)")
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);  // what follows is a motion again
-  add_read_options(*convert, job.read);
+  add_read_options(*convert, job.read, {"--source-fps", kReadUnit});
   add_threads_option(*convert, job.threads, "files at a time; 0: one for each core");
   add_json_option(*convert, command->json);
   convert->callback([command] { command->run(); });

@@ -8,6 +8,7 @@
 #include "app/convert_config.h"
 #include "common/table.h"
 #include "motion/formats/formats.h"
+#include "motion/reading.h"
 
 namespace mocaplm {
 
@@ -15,7 +16,7 @@ struct ConvertJob {
   std::vector<std::string> inputs;  // files, parts of them, dataset folders (motion/inputs.h)
   std::vector<std::string> clips;   // of the dataset folders; none: all
   std::filesystem::path out;        // one file, by its ending, or with config.to a folder
-  ReadOptions read;
+  MotionReading read;
   ConvertConfig config;
   std::int64_t threads = 0;     // 0: all cores
   std::filesystem::path table;  // which the caller writes, or empty: no motion may be there
