@@ -50,8 +50,7 @@ std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>
 fs::path part_file(const ConvertJob& job, const NamedMotion& motion,
                    const std::vector<fs::path>& read, Planned& planned) {
   if (job.config.to == "auto")
-    throw UsageError(motion.text.substr(0, motion.text.rfind('#')) +
-                     " holds several motions: name one of them, as " + motion.text +
+    throw UsageError("the file holds several motions: name one of them, as " + motion.text +
                      ", or give --to " + join(written_formats(), ", --to ") + " and a folder");
   fs::path file = job.out / (motion.name + "." + job.config.to);
   take(planned, file, motion.text);

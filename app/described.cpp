@@ -212,7 +212,12 @@ std::vector<Table> describe_named(const std::string& text, const ReadOptions& op
   if (name.part.empty() && range.clip == text) return describe_path(text, options);
   const MotionInput input = find_motion(text);
   ReadOptions own = input.dataset ? ReadOptions() : options;
-  if (!input.dataset) own.part = name.part;
+  if (!input.dataset && !name.part.empty()) {
+    own.part = name.part;
+    MotionReading reading;
+    static_cast<ReadOptions&>(reading) = options;
+    read_motion(input, reading);  // throws where there is no such part
+  }
   return describe_clip(input.file(), own, range);
 }
 

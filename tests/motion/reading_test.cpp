@@ -60,7 +60,7 @@ TEST(Units, AreNamesOrMetres) {
   EXPECT_EQ(metres_of_unit("cm"), 0.01);
   EXPECT_EQ(metres_of_unit("mm"), 0.001);
   EXPECT_EQ(metres_of_unit("in"), 0.0254);
-  EXPECT_EQ(metres_of_unit("ft"), 12 * metres_of_unit("in"));
+  EXPECT_DOUBLE_EQ(metres_of_unit("ft"), 12 * metres_of_unit("in"));
   EXPECT_EQ(metres_of_unit("0.05644"), 0.05644);
   EXPECT_EQ(metres_of_unit("1e-6"), 1e-6);
   for (const char* bad : {"", "0", "-1", "nan", "inf", "1e7", "cm2", "inch", "1 m"})
