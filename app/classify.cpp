@@ -6,6 +6,7 @@
 #include "app/classification_page.h"
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/read_options.h"
 #include "classify/predict.h"
 #include "classify/train.h"
 #include "common/error.h"
@@ -19,6 +20,7 @@ namespace {
 struct ClassifyCommand {
   ClassifyOptions train;
   std::vector<std::string> clips;
+  MotionReading read;
   std::string json, page;
 };
 
@@ -26,17 +28,20 @@ void run_classify(const CLI::App& app, const ClassifyCommand& command) {
   const ClassifyOptions& train = command.train;
   check_writable(command.json);
   if (!command.clips.empty()) {
-    refuse_options_except(app,
-                          {"--model", "CLIP", "--json", "--precision", "--device", "--threads"},
+    std::vector<std::string> allowed = {"--model",     "CLIP",     "--json",
+                                        "--precision", "--device", "--threads"};
+    allowed.insert(allowed.end(), read_option_names().begin(), read_option_names().end());
+    refuse_options_except(app, allowed,
                           " cannot be given with clips: a kept classifier tells their labels, and "
                           "is trained without them (--data DATASET)");
-    print_table(predict_table({train.model, command.clips, train.config.precision, train.device,
-                               train.threads}),
+    print_table(predict_table({train.model, command.clips, command.read, train.config.precision,
+                               train.device, train.threads}),
                 command.json);
     return;
   }
   if (train.data.empty())
     throw UsageError("give --data DATASET to train a classifier, or clips to classify with one");
+  refuse_read_options(command.read, " is for clips to classify: --data reads no motion files");
   if (!std::filesystem::is_directory(train.out)) check_writable(train.out);
   if (!command.page.empty()) check_page_path(command.page);
   check_writable(command.page);
@@ -61,7 +66,8 @@ void add_classify(CLI::App& app) {
                    "pre-trained model or training run folder; for clips a kept classifier")
       ->required();
   classify->add_option("CLIP", command->clips,
-                       "clips (.npz, .pkl, .bvh) that a kept classifier tells the labels of");
+                       kMotionFiles + std::string("or dataset folders: a kept classifier tells "
+                                                  "their labels"));
   classify->add_option("--data", train.data, "labelled dataset folder to train and test on");
   classify->add_option("--out", train.out, "keep the classifier and its tables in this folder");
   classify->add_option("--split", train.split, "clips to test on")
@@ -72,6 +78,7 @@ void add_classify(CLI::App& app) {
                        "also write a page with plots and the clips that it gets wrong, .html");
   add_machine_options(*classify, train.device, train.threads);
   bind_options(*classify->add_option_group("classifier"), train.config);
+  add_read_options(*classify, command->read);
   classify->callback([classify, command] { run_classify(*classify, *command); });
 }
 

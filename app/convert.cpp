@@ -36,8 +36,8 @@ void add_convert(CLI::App& app) {
   ConvertJob& job = command->job;
   convert
       ->add_option("CLIP... OUT", command->names,
-                   "motion files (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds), or dataset "
-                   "folders; last the file to write, or with --to a folder")
+                   kMotionFiles + std::string("or dataset folders; last the file to write, or with "
+                                              "--to a folder"))
       ->required();
   bind_options(*convert, job.config);
   convert->add_option("--clip", job.clips, "these clips of the dataset folders (default: all)")

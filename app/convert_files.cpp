@@ -25,9 +25,19 @@ WriteOptions write_options(const ConvertJob& job) {
   return options;
 }
 
-// Where each motion goes.
+// The motions by the files that they go to.
+using Planned = std::map<fs::path, std::string>;
+
+void take(Planned& planned, const fs::path& file, const std::string& text) {
+  const auto [first, fresh] = planned.emplace(file, text);
+  if (!fresh)
+    throw UsageError(first->second + " and " + text + " would both be written to " + file.string() +
+                     ": convert them into two folders");
+}
+
+// Where each motion goes, as far as it is known before the files are read.
 std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>& inputs,
-                           const WriteOptions& options) {
+                           const WriteOptions& options, Planned& planned) {
   if (job.config.to == "auto") {
     if (inputs.size() > 1 || fs::is_directory(job.out))
       throw UsageError(job.out.string() + " is to be a folder: give --to " +
@@ -38,14 +48,10 @@ std::vector<fs::path> plan(const ConvertJob& job, const std::vector<MotionInput>
   if (fs::exists(job.out) && !fs::is_directory(job.out))
     throw UsageError(job.out.string() + " is a file; with --to the last name is a folder");
   std::vector<fs::path> files;
-  std::map<fs::path, std::string> taken;
   for (const MotionInput& input : inputs) {
     files.push_back(job.out / (input.name + "." + job.config.to));
     check_written_format(files.back(), options);
-    const auto [first, fresh] = taken.emplace(files.back(), input.text);
-    if (!fresh)
-      throw UsageError(first->second + " and " + input.text + " would both be written to " +
-                       files.back().string() + ": convert them into two folders");
+    take(planned, files.back(), input.text);
   }
   return files;
 }
@@ -62,6 +68,18 @@ std::string moved_bones(const Character& character) {
   return "bones: " + join(moved, ", ") + (still.empty() ? "" : "; none for " + join(still, ", "));
 }
 
+// Where one of several motions of a file goes, which reading has shown.
+fs::path part_file(const ConvertJob& job, const NamedMotion& motion,
+                   const std::vector<fs::path>& read, Planned& planned) {
+  if (job.config.to == "auto")
+    throw UsageError("the file holds several motions: name one of them, as " + motion.text +
+                     ", or give --to " + join(written_formats(), ", --to ") + " and a folder");
+  fs::path file = job.out / (motion.name + "." + job.config.to);
+  take(planned, file, motion.text);
+  check_outputs({file}, read);
+  return file;
+}
+
 std::string done_to_all(const ConvertConfig& config) {
   std::vector<std::string> done;
   if (config.edit.fps > 0) done.push_back("resampled");
@@ -74,10 +92,11 @@ std::string done_to_all(const ConvertConfig& config) {
 }  // namespace
 
 Table convert_files(const ConvertJob& job) {
-  const std::vector<MotionInput> inputs = find_motions(job.inputs, job.clips);
+  const std::vector<MotionInput> inputs = find_motions(job.inputs, job.clips, job.read);
   if (inputs.empty()) throw UsageError("there is nothing to convert");
   const WriteOptions options = write_options(job);
-  const std::vector<fs::path> files = plan(job, inputs, options);
+  Planned planned;
+  const std::vector<fs::path> files = plan(job, inputs, options, planned);
   std::vector<fs::path> written = files;
   written.push_back(job.table);
   std::vector<fs::path> read = files_of(inputs);
@@ -85,13 +104,22 @@ Table convert_files(const ConvertJob& job) {
   check_outputs(written, read);
   check_writable(files.front());
 
-  std::vector<std::vector<Json>> rows(inputs.size());
+  std::vector<std::vector<std::vector<Json>>> rows(inputs.size());  // of each input's motions
   std::mutex mutex;
   Progress progress("converting", inputs.size(), "clips");
   parallel_for(inputs.size(), job.threads, [&](std::size_t i) {
-    const Clip clip = edited(read_motion(inputs[i], job.read).clip, job.config.edit);
-    write_clip(files[i], clip, options);
-    rows[i] = {files[i].string(), inputs[i].text, clip.frames(), clip.fps, clip.seconds()};
+    std::vector<NamedMotion> motions = read_motions(inputs[i], job.read);
+    std::vector<fs::path> to = {files[i]};
+    if (motions.size() > 1) {
+      to.clear();
+      const std::lock_guard<std::mutex> lock(mutex);
+      for (const NamedMotion& motion : motions) to.push_back(part_file(job, motion, read, planned));
+    }
+    for (std::size_t k = 0; k < motions.size(); ++k) {
+      const Clip clip = edited(std::move(motions[k].read.clip), job.config.edit);
+      write_clip(to[k], clip, options);
+      rows[i].push_back({to[k].string(), motions[k].text, clip.frames(), clip.fps, clip.seconds()});
+    }
     const std::lock_guard<std::mutex> lock(mutex);
     progress.add();
   });
@@ -99,7 +127,8 @@ Table convert_files(const ConvertJob& job) {
 
   Table table("", {"file", "from", "frames", "frames per second", "seconds"});
   table.digits({-1, -1, -1, -1, 2});
-  for (std::vector<Json>& row : rows) table.row(std::move(row));
+  for (std::vector<std::vector<Json>>& of_input : rows)
+    for (std::vector<Json>& row : of_input) table.row(std::move(row));
   const std::string done = done_to_all(job.config);
   if (!done.empty()) table.note(done);
   if (options.character) table.note(moved_bones(*options.character));

@@ -8,6 +8,7 @@
 #include "app/convert_config.h"
 #include "common/table.h"
 #include "motion/formats/formats.h"
+#include "motion/reading.h"
 
 namespace mocaplm {
 
@@ -16,7 +17,7 @@ struct ConvertJob {
   std::vector<std::string> clips;   // of the dataset folders; none: all
   std::filesystem::path out;        // one file, by its ending, or with config.to a folder
   std::filesystem::path character;  // a .glb whose figure gets the motions, or empty
-  ReadOptions read;
+  MotionReading read;
   ConvertConfig config;
   std::int64_t threads = 0;     // 0: all cores
   std::filesystem::path table;  // which the caller writes, or empty: no motion may be there

@@ -14,6 +14,7 @@
 #include "motion/formats/aist.h"
 #include "motion/formats/formats.h"
 #include "motion/import.h"
+#include "motion/inputs.h"
 #include "motion/skeleton.h"
 #include "tokenizer/any_tokenizer.h"
 
@@ -48,9 +49,10 @@ void add_floor_rows(Table& table, const Clip& clip) {
   table.row({"way of the pelvis over the floor", format_fixed(way, 2) + " m"});
 }
 
-std::vector<Table> describe_clip(const fs::path& path) {
+std::vector<Table> describe_clip(const fs::path& path, const ReadOptions& options,
+                                 const ClipRange& range = {}) {
   ReadReport read;
-  const Clip clip = read_clip(path, {}, &read);
+  const Clip clip = cut(read_clip(path, options, &read), range).clip;
   const RetargetReport& retarget = read.retarget;
   Table table(path.string(), {"motion file", lower(path.extension().string()).substr(1)});
   table.row({"frames", clip.frames()});
@@ -195,23 +197,42 @@ Describe describer_of(const std::string& ending) {
 
 }  // namespace
 
-std::vector<Table> describe_path(const fs::path& path) {
+std::vector<Table> describe_path(const fs::path& path, const ReadOptions& options) {
   if (!fs::exists(path)) throw DataError(in_file(path.string()), "no such file or folder");
   if (fs::is_directory(path)) return describe_folder(path);
   const std::string ending = lower(path.extension().string());
   if (ending == ".json" || path.filename() == "complete")
     return describe_json_file(path, path.has_parent_path() ? path.parent_path() : ".");
   const Describe describe = describer_of(ending);
-  if (describe == nullptr) return describe_clip(path);
+  if (describe == nullptr) return describe_clip(path, options);
   if (!looks_like_motion(path)) return describe(path);
-  // A table of joint positions, which stays a table where no motion can be made of it.
+  // A table of joint positions or a figure, which stays what it is where no motion can be made of it.
+  std::vector<Table> tables;
+  if (ending != ".csv") tables = describe(path);
   try {
-    return describe_clip(path);
+    for (Table& table : describe_clip(path, options)) tables.push_back(std::move(table));
+    return tables;
   } catch (const DataError& error) {
-    std::vector<Table> tables = describe(path);
+    if (tables.empty()) tables = describe(path);
     tables[0].note(std::string("As motion: ") + error.what());
     return tables;
   }
+}
+
+std::vector<Table> describe_named(const std::string& text, const ReadOptions& options) {
+  if (fs::exists(text)) return describe_path(text, options);
+  const ClipRange range = parse_clip_range(text);
+  const PartName name = split_part(range.clip);
+  if (name.part.empty() && range.clip == text) return describe_path(text, options);
+  const MotionInput input = find_motion(text);
+  ReadOptions own = input.dataset ? ReadOptions() : options;
+  if (!input.dataset && !name.part.empty()) {
+    own.part = name.part;
+    MotionReading reading;
+    static_cast<ReadOptions&>(reading) = options;
+    read_motion(input, reading);  // throws where there is no such part
+  }
+  return describe_clip(input.file(), own, range);
 }
 
 }  // namespace mocaplm

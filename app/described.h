@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "common/table.h"
+#include "motion/formats/formats.h"
 
 namespace mocaplm {
 
@@ -12,6 +14,12 @@ namespace mocaplm {
 // training runs, classifiers, emulators, gesture models, spectral indexes, experiments, settings,
 // tables, pages, corpora, recordings. Throws DataError for anything else, and where it is not
 // sound.
-std::vector<Table> describe_path(const std::filesystem::path& path);
+// `options`: of motion files.
+std::vector<Table> describe_path(const std::filesystem::path& path,
+                                 const ReadOptions& options = {});
+
+// The same of what a user names as a motion, FILE:from-to, FILE#PART or DATASET#CLIP
+// (motion/inputs.h), and of any path.
+std::vector<Table> describe_named(const std::string& text, const ReadOptions& options);
 
 }  // namespace mocaplm

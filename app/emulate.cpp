@@ -8,14 +8,13 @@
 
 #include "app/commands.h"
 #include "app/generated.h"
-#include "app/options.h"
+#include "app/read_options.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/progress.h"
 #include "common/text.h"
 #include "emulator/motions.h"
 #include "motion/chosen_clips.h"
-#include "motion/formats/formats.h"
 
 namespace mocaplm {
 
@@ -25,12 +24,21 @@ namespace {
 constexpr std::size_t kMostFigures = 8;
 
 struct FitCommand {
-  std::string dataset, split = "train", scheme = "SIEM/SequentialPCA/MVG", out, json;
-  std::vector<std::string> where;
+  std::vector<std::string> inputs, where;
+  std::string split = "train", scheme = "SIEM/SequentialPCA/MVG", out, json;
+  MotionReading read;
   LandmarkOptions landmarks;
   AlignOptions align;
   SchemeOptions options;
   int threads = 0;
+};
+
+// What a scheme is fitted to.
+struct FittedClips {
+  std::vector<Clip> clips;
+  std::string from;   // the dataset's folder, or the files
+  std::string split;  // "" of files
+  bool procedural = false;
 };
 
 std::vector<Clip> read_class(const FitCommand& command, const Dataset& dataset) {
@@ -38,7 +46,7 @@ std::vector<Clip> read_class(const FitCommand& command, const Dataset& dataset) 
       chosen_entries(dataset, command.split == "all" ? "" : command.split, command.where);
   if (entries.size() < kFewestMotions)
     throw DataError(
-        in_file(command.dataset),
+        in_file(dataset.directory),
         (command.where.empty() ? "the dataset" : join(command.where, ", ")) + " has " +
             std::to_string(entries.size()) + (entries.size() == 1 ? " clip" : " clips") +
             (command.split == "all" ? "" : " in the split " + command.split) + ", expected " +
@@ -54,14 +62,39 @@ std::vector<Clip> read_class(const FitCommand& command, const Dataset& dataset) 
   return clips;
 }
 
+FittedClips read_files(const CLI::App& app, const FitCommand& command) {
+  refuse_options(app, {"--where", "--split"}, " chooses from a dataset: give its folder alone");
+  FittedClips out;
+  out.from = join(command.inputs, ", ");
+  for (const MotionInput& input : find_motions(command.inputs, {}, command.read)) {
+    for (const NamedMotion& motion : read_motions(input, command.read))
+      out.clips.push_back(motion.read.clip);
+    out.procedural = out.procedural || (input.dataset && input.dataset->procedural);
+  }
+  if (out.clips.size() < kFewestMotions)
+    throw DataError(in_file(command.inputs.front()),
+                    std::to_string(out.clips.size()) + " motions are given, expected " +
+                        std::to_string(kFewestMotions) + " or more to fit a scheme to");
+  return out;
+}
+
+FittedClips read_fitted(const CLI::App& app, const FitCommand& command) {
+  if (command.inputs.size() > 1 || !std::filesystem::is_directory(command.inputs[0]))
+    return read_files(app, command);
+  refuse_read_options(command.read,
+                      " has no effect: a dataset's clips were read when it was imported");
+  const Dataset dataset = load_dataset(command.inputs[0]);
+  return {read_class(command, dataset), command.inputs[0], command.split, dataset.procedural};
+}
+
 void add_settings(Table& table, const Json& settings) {
   for (const auto& item : settings.items())
     table.row({item.key(),
                item.value().is_string() ? item.value().get<std::string>() : item.value().dump()});
 }
 
-Table fit_table(const FitCommand& command, const PreparedMotions& prepared,
-                const MotionEmulator& motions) {
+Table fit_table(const FitCommand& command, const std::string& split,
+                const PreparedMotions& prepared, const MotionEmulator& motions) {
   const Emulator& emulator = *motions.emulator;
   double amount = 0, most = 0, before = 0, after = 0, lost = 0, likelihood = 0;
   const auto n = static_cast<double>(prepared.names.size());
@@ -76,7 +109,8 @@ Table fit_table(const FitCommand& command, const PreparedMotions& prepared,
   const auto lengths = std::minmax_element(prepared.seconds.begin(), prepared.seconds.end());
   Table table("", {"fitted", "value"});
   table.row({"class", command.where.empty() ? "all clips" : join(command.where, ", ")});
-  table.row({"clips", std::to_string(prepared.names.size()) + " (" + command.split + ")"});
+  table.row(
+      {"clips", std::to_string(prepared.names.size()) + (split.empty() ? "" : " (" + split + ")")});
   table.row({"seconds", format_fixed(prepared.mean_seconds(), 2) + " (" +
                             format_fixed(*lengths.first, 2) + " to " +
                             format_fixed(*lengths.second, 2) + ")"});
@@ -104,20 +138,19 @@ Table fit_table(const FitCommand& command, const PreparedMotions& prepared,
   return table;
 }
 
-void run_fit(const FitCommand& command) {
+void run_fit(const CLI::App& app, const FitCommand& command) {
   check_writable(command.out);
   check_writable(command.json);
   const Scheme scheme = parse_scheme(command.scheme);
-  const Dataset dataset = load_dataset(command.dataset);
-  const std::vector<Clip> clips = read_class(command, dataset);
+  const FittedClips fitted = read_fitted(app, command);
   const PreparedMotions prepared =
-      prepare_motions(clips, command.landmarks, command.align, command.threads);
+      prepare_motions(fitted.clips, command.landmarks, command.align, command.threads);
   MotionEmulator motions = fit_motions(prepared, scheme, command.options, command.threads);
   motions.where = command.where;
-  motions.data = command.dataset;
-  motions.procedural = dataset.procedural;
+  motions.data = fitted.from;
+  motions.procedural = fitted.procedural;
   save_motion_emulator(command.out, motions);
-  print_table(fit_table(command, prepared, motions), command.json);
+  print_table(fit_table(command, fitted.split, prepared, motions), command.json);
 }
 
 struct SampleCommand {
@@ -196,7 +229,9 @@ void run_sample(const SampleCommand& command) {
 void add_emulate_fit(CLI::App& emulate) {
   CLI::App* fit = emulate.add_subcommand("fit", "fit a scheme to the clips of one class");
   auto command = std::make_shared<FitCommand>();
-  fit->add_option("DATASET", command->dataset, "a dataset's folder")->required();
+  fit->add_option("INPUT", command->inputs,
+                  kMotionFiles + std::string("or a dataset's folder alone (--where, --split)"))
+      ->required();
   fit->add_option("--where", command->where, "the class, label=value (repeatable: clips with all)");
   fit->add_option("--split", command->split, "clips of this split")
       ->check(one_of({"train", "validation", "test", "all"}))
@@ -212,7 +247,8 @@ void add_emulate_fit(CLI::App& emulate) {
   bind_options(*fit->add_option_group("landmarks"), command->landmarks);
   bind_options(*fit->add_option_group("alignment"), command->align);
   bind_options(*fit->add_option_group("scheme"), command->options);
-  fit->callback([command] { run_fit(*command); });
+  add_read_options(*fit, command->read);
+  fit->callback([fit, command] { run_fit(*fit, *command); });
 }
 
 void add_emulate_sample(CLI::App& emulate) {

@@ -5,9 +5,9 @@
 
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/read_options.h"
 #include "app/spectral_files.h"
 #include "common/error.h"
-#include "motion/clip_range.h"
 
 namespace mocaplm {
 
@@ -17,6 +17,7 @@ constexpr std::int64_t kHannFrames = 16, kHannHop = 8;  // of the spectrogram
 
 struct FilterCommand {
   std::string clip;
+  MotionReading read;
   FilterConfig config;
   SpectralFiles files{"filtered", "", "", ""};
 };
@@ -24,8 +25,9 @@ struct FilterCommand {
 void run(const CLI::App& app, FilterCommand& command) {
   if (command.config.keep == "low" && app.get_option("--from-hz")->count() > 0)
     throw UsageError("--from-hz goes with --keep band: the low frequencies begin at 0");
-  command.files.check({parse_clip_range(command.clip).clip});
-  const Clip clip = read_clip_range(command.clip, nullptr).clip;
+  const MotionInput input = find_motion(command.clip, command.read);
+  command.files.check({input.file().string()});
+  const Clip clip = read_motion(input, command.read).clip;
   const FilterResult result = filter_clip(clip, command.config);
   Table table = filter_table(clip, result, command.config);
   Page page;
@@ -50,10 +52,7 @@ void add_filter(CLI::App& app) {
   CLI::App* filter =
       app.add_subcommand("filter", "rebuild a motion from its low frequencies or a band of them");
   auto command = std::make_shared<FilterCommand>();
-  filter
-      ->add_option("CLIP", command->clip,
-                   "motion file (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds)")
-      ->required();
+  filter->add_option("CLIP", command->clip, kMotionFile)->required();
   filter
       ->add_option("--out", command->files.out,
                    "stem of the .npz, .bvh and .html written, or one of these files")
@@ -63,6 +62,7 @@ void add_filter(CLI::App& app) {
                      "spectrograms of both as an .svg, too");
   add_json_option(*filter, command->files.json);
   bind_options(*filter, command->config);
+  add_read_options(*filter, command->read);
   filter->callback([filter, command] { run(*filter, *command); });
 }
 

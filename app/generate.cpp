@@ -8,6 +8,7 @@
 #include "app/frame_stream.h"
 #include "app/generated.h"
 #include "app/options.h"
+#include "app/read_options.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "model/directory.h"
@@ -22,6 +23,7 @@ struct GenerateCommand {
   std::string model, prompt, out = "generated", json, stream, precision = "bf16";
   std::vector<std::string> joints, labels;
   Labels named;
+  MotionReading read;
   GenerateRequest request;
   std::int64_t count = 1, batch = 16;
   int threads = 0;
@@ -41,7 +43,10 @@ void check_out(const GenerateCommand& command) {
   std::vector<std::filesystem::path> written = {command.json};
   for (std::int64_t i = 0; i < command.count; ++i)
     for (const std::string& file : generated_files(numbered(command, i))) written.push_back(file);
-  check_outputs(written, {command.prompt});
+  if (!command.prompt.empty())
+    check_outputs(written, {find_motion(command.prompt, command.read).file()});
+  else
+    refuse_read_options(command.read, " is for the file of a --prompt");
   for (const std::filesystem::path& file : written) check_writable(file);
   FrameStream::check(command.stream);
 }
@@ -76,7 +81,7 @@ void run_generate(GenerateCommand& command) {
   if (load_description(command.model).masked())
     throw UsageError(place + " is a masked model: it fills gaps of a clip, see mocaplm infill");
   Generator generator(load_model(command.model), place, engine_options(command));
-  if (!command.prompt.empty()) request.prompt = read_clip(command.prompt, {});
+  if (!command.prompt.empty()) request.prompt = read_one_motion(command.prompt, command.read);
   const std::int64_t seed = request.sampling.seed;
   FrameStream stream(generator.tokenizer().config().fps, static_cast<std::size_t>(command.count),
                      command.stream);
@@ -107,7 +112,7 @@ void add_generate(CLI::App& app) {
   auto command = std::make_shared<GenerateCommand>();
   generate->add_option("--model", command->model, "model or training run folder")->required();
   generate->add_option("--prompt", command->prompt,
-                       "clip (.npz, .pkl, .bvh); without it the model starts from nothing");
+                       kMotionFile + std::string("; without it the model starts from nothing"));
   generate
       ->add_option("--joints", command->joints,
                    "joints of the prompt that are kept, e.g. right_arm,pelvis; without it the "
@@ -149,6 +154,7 @@ void add_generate(CLI::App& app) {
   add_threads_option(*generate, command->threads);
   add_json_option(*generate, command->json);
   bind_options(*generate->add_option_group("sampling"), command->request.sampling);
+  add_read_options(*generate, command->read);
   generate->callback([command] { run_generate(*command); });
 }
 

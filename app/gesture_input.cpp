@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "app/options.h"
+#include "app/read_options.h"
 #include "common/error.h"
 #include "common/text.h"
 #include "motion/chosen_clips.h"
-#include "motion/formats/formats.h"
+#include "motion/inputs.h"
 #include "motion/joint_path.h"
 #include "motion/skeleton.h"
 
@@ -39,7 +39,8 @@ Recording recording_of(const Clip& clip, const std::string& name, int joint, boo
 void GestureInput::add_options(CLI::App& app) {
   app.add_option("INPUT", inputs,
                  "trajectories (.csv: time, coordinates, and trajectory, phase, event), or a "
-                 "dataset folder or motion files (--joint)")
+                 "dataset folder or motion files (--joint), FILE:from-to for a part (seconds), "
+                 "FILE#PART of several people or takes")
       ->required();
   app.add_option("--joint", joint, "of clips: the joint whose path x, y, z is the movement")
       ->capture_default_str();
@@ -49,12 +50,14 @@ void GestureInput::add_options(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--where", where, "of a dataset: only clips with label=value, comma separated")
       ->delimiter(',');
+  add_read_options(app, read_as);
 }
 
 Recordings GestureInput::read(const GestureConfig& config) const {
   const auto csv = static_cast<std::size_t>(std::count_if(inputs.begin(), inputs.end(), is_csv));
   if (csv > 0 && csv < inputs.size())
     throw UsageError("give either .csv files or motion, not both");
+  if (csv > 0) refuse_read_options(read_as, " is for motion files, not for .csv ones");
   if (csv > 0)
     return read_recordings({inputs.begin(), inputs.end()}, config.coordinates, config.conditions);
   const int index = joint_index(joint);
@@ -80,6 +83,7 @@ Recordings GestureInput::read(const GestureConfig& config) const {
     if (clip.frames() < 2) throw DataError(in_file(name), "has one frame, a movement has several");
     all.all.push_back(recording_of(clip, name, index, frame == "body", columns));
   };
+  find_motions(inputs, {}, read_as);  // all are there, and what is said of files is of use
   for (const std::string& input : inputs) {
     if (is_dataset(input)) {
       const Dataset dataset = load_dataset(input);
@@ -87,7 +91,9 @@ Recordings GestureInput::read(const GestureConfig& config) const {
         add(load_clip(dataset, entry), entry.name);
     } else {
       if (!where.empty()) throw UsageError("--where is for dataset folders, not " + input);
-      add(read_clip(input, {}), fs::path(input).stem().string());
+      for (const MotionInput& one : find_motions({input}, {}))
+        for (const NamedMotion& motion : read_motions(one, read_as))
+          add(motion.read.clip, motion.name);
     }
   }
   return all;

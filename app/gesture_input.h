@@ -7,6 +7,7 @@
 
 #include "gesture/config.h"
 #include "gesture/recording.h"
+#include "motion/reading.h"
 
 namespace mocaplm {
 
@@ -15,6 +16,7 @@ struct GestureInput {
   std::string joint = "right_wrist";
   std::string frame = "body";
   std::vector<std::string> where;  // label=value, of a dataset's clips
+  MotionReading read_as;           // of motion files
 
   void add_options(CLI::App& app);
   // CSV files by their columns; clips as the path x, y, z of the joint, each a recording. Throws

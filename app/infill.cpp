@@ -6,6 +6,7 @@
 #include "app/commands.h"
 #include "app/generated.h"
 #include "app/options.h"
+#include "app/read_options.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "motion/formats/formats.h"
@@ -18,6 +19,7 @@ namespace {
 
 struct InfillCommand {
   InfillOptions options;
+  MotionReading read;
   std::string clip, out = "filled", json;
   std::vector<std::string> joints, labels;
 };
@@ -78,9 +80,10 @@ void run(InfillCommand& command) {
   if (options.to > 0 && options.to <= options.from) throw UsageError("--to must be above --from");
   std::vector<std::filesystem::path> written = {command.json};
   for (const std::string& file : generated_files(command.out)) written.push_back(file);
-  check_outputs(written, {command.clip});
+  const MotionInput input = find_motion(command.clip, command.read);
+  check_outputs(written, {input.file()});
   for (const std::filesystem::path& file : written) check_writable(file);
-  options.clip = read_clip(command.clip, {});
+  options.clip = read_motion(input, command.read).clip;
   const InfillResult result = infill(options);
   const Table table = infill_table(result, command);
   write(result, command, table);
@@ -95,7 +98,7 @@ void add_infill(CLI::App& app) {
   auto command = std::make_shared<InfillCommand>();
   InfillOptions& options = command->options;
   infill->add_option("--model", options.model, "masked model or training run folder")->required();
-  infill->add_option("CLIP", command->clip, "clip (.npz, .pkl, .bvh)")->required();
+  infill->add_option("CLIP", command->clip, kMotionFile)->required();
   infill
       ->add_option("--joints", command->joints,
                    "missing joints or groups, e.g. left_arm; without it all and the root's path")
@@ -117,6 +120,7 @@ void add_infill(CLI::App& app) {
   add_json_option(*infill, command->json);
   add_machine_options(*infill, options.device, options.threads);
   bind_options(*infill->add_option_group("filling"), options.fill);
+  add_read_options(*infill, command->read);
   infill->callback([command] { run(*command); });
 }
 

@@ -5,10 +5,10 @@
 
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/read_options.h"
 #include "app/spectral_files.h"
 #include "common/error.h"
 #include "common/files.h"
-#include "motion/clip_range.h"
 #include "spectral/interpolate/evaluation.h"
 
 namespace mocaplm {
@@ -17,6 +17,7 @@ namespace {
 
 struct InterpolateCommand {
   std::string a, b;
+  MotionReading read;
   InterpolateConfig config;
   SpectralFiles files{"interpolated", "", "", ""};
   InterpolateEvaluation evaluation;
@@ -54,9 +55,12 @@ void run(const CLI::App& app, InterpolateCommand& command) {
                  " goes with --evaluate LABEL");
   if (command.b.empty())
     throw UsageError("give two motions, A and B, or --data DATASET --evaluate LABEL");
-  command.files.check({parse_clip_range(command.a).clip, parse_clip_range(command.b).clip});
-  const Clip a = read_clip_range(command.a, nullptr).clip;
-  const Clip b = read_clip_range(command.b, nullptr).clip;
+  const MotionInput first = find_motion(command.a), second = find_motion(command.b);
+  if (first.dataset && second.dataset)
+    refuse_read_options(command.read, " is for motion files, and both are clips of a dataset");
+  command.files.check({first.file().string(), second.file().string()});
+  const Clip a = read_motion(first, command.read).clip;
+  const Clip b = read_motion(second, command.read).clip;
   const InterpolateResult result = interpolate(a, b, command.config);
   Table table = interpolate_table(result, command.config);
   const std::vector<std::string> files = command.files.write(
@@ -75,8 +79,9 @@ void add_interpolate(CLI::App& app) {
       "interpolate", "change a motion until its spectral features come near another's");
   auto command = std::make_shared<InterpolateCommand>();
   command_line->add_option("A", command->a,
-                           "motion file to begin with, FILE:from-to for a part (seconds)");
-  command_line->add_option("B", command->b, "motion file whose features are the target");
+                           kMotionFile + std::string(": the motion to begin with"));
+  command_line->add_option("B", command->b,
+                           "the same, of the motion whose features are the target");
   command_line
       ->add_option("--out", command->files.out,
                    "stem of the .npz, .bvh and .html written, or one of these files")
@@ -87,6 +92,7 @@ void add_interpolate(CLI::App& app) {
                            "spectrograms of all three as an .svg, too");
   add_json_option(*command_line, command->files.json);
   bind_options(*command_line, command->config);
+  add_read_options(*command_line, command->read);
   InterpolateEvaluation& evaluation = command->evaluation;
   command_line->add_option("--evaluate", evaluation.label,
                            "instead of A and B: similarities and roughness of pairs of --data's "

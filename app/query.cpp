@@ -7,6 +7,7 @@
 
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/read_options.h"
 #include "app/spectral_files.h"
 #include "common/error.h"
 #include "common/files.h"
@@ -66,6 +67,7 @@ void run(const CLI::App& app, QueryCommand& command) {
   check_writable(command.json);
   if (!evaluation.labels.empty()) {
     if (!options.clip.empty()) throw UsageError("--evaluate takes no CLIP: its clips are queries");
+    refuse_read_options(options.read, " is for a CLIP that is a file: --evaluate reads none");
     refuse_options(app, {"--page", "--show", "--per-clip"},
                    " lists a query's matches and does not go with --evaluate");
     if (app.get_option("--feature")->count() > 0) evaluation.features = {options.config.feature};
@@ -103,7 +105,9 @@ void add_query(CLI::App& app) {
   query->add_option("--index", options.dataset, "dataset folder to search; its index is kept there")
       ->required();
   query->add_option("CLIP", options.clip,
-                    "clip of the dataset or motion file, CLIP:from-to for a part (seconds)");
+                    "clip of the dataset or motion file, CLIP:from-to for a part (seconds), "
+                    "FILE#PART of several people or takes");
+  add_read_options(*query, options.read);
   query->add_option("--keep", options.keep, "keep the index in this folder instead");
   query->add_option("--page", command->page, "a .html page: query and matches side by side");
   query->add_option("--show", command->show, "matches on the page")

@@ -1,30 +1,37 @@
-// Options of commands that read motion files whose format leaves something open.
+// What every command that reads motion files can be told about them, declared once.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "app/options.h"
-#include "motion/formats/formats.h"
+#include "motion/inputs.h"
 
 namespace mocaplm {
 
-// --up, --bvh-map, and the files' own frame rate, whose option has a name for each command: --fps
-// may be the rate of what it writes. `options` must live as long as `app`.
-inline void add_read_options(CLI::App& app, ReadOptions& options,
-                             const std::string& rate = "--source-fps") {
-  app.add_option_function<double>(
-         rate, [&options](const double& fps) { options.fps = fps; },
-         "frame rate of the files, where their own is wrong or missing")
-      ->check(CLI::Range(0.001, 10000.0))
-      ->check(BindOptions::finite());
-  app.add_option_function<std::string>(
-         "--up", [&options](const std::string& name) { options.up = up_axis_of(name); },
-         "up axis of the files (auto: by their format or their motion)")
-      ->check(one_of(up_axis_names()))
-      ->default_str("auto");
-  app.add_option("--bvh-map", options.bvh_map,
-                 "JSON map for a BVH skeleton with unknown joint names")
-      ->type_name("FILE");
-}
+// How a command names what it reads, for the help of its arguments.
+constexpr const char* kMotionFiles =
+    "motion files (.npz, .pkl, .bvh), FILE:from-to for a part (seconds), FILE#PART of several "
+    "people or takes, ";
+constexpr const char* kMotionFile =
+    "motion file (.npz, .pkl, .bvh), FILE:from-to for a part (seconds), FILE#PART of several "
+    "people or takes, or DATASET#CLIP";
+
+struct ReadOptionSet {
+  std::string rate = "--source-fps";  // or "--source-fps,--fps", where --fps is nothing else
+  bool unit = true;                   // false where --unit is something else
+};
+
+// --source-fps, --up, --unit, --bvh-map, --keep-path, --fill-gaps, --drop-first and --body, in a
+// group of their own. What readers remark is kept for print_remarks. `reading` must live as long
+// as `app`.
+void add_read_options(CLI::App& app, MotionReading& reading, const ReadOptionSet& set = {});
+
+// Their names, for commands that say what goes with what.
+const std::vector<std::string>& read_option_names();
+
+// Prints "note: FILE: TEXT." to standard error for what the readers of this command's files took
+// for granted, each kind once; `run` calls it at a command's end, however that is.
+void print_remarks();
 
 }  // namespace mocaplm

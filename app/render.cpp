@@ -16,7 +16,7 @@ namespace {
 
 struct RenderCommand {
   std::string clip, dataset_clip, out, json;
-  ReadOptions read;
+  MotionReading read;
   RenderConfig config;
   std::int64_t threads = 0;
 
@@ -26,7 +26,7 @@ struct RenderCommand {
     check_writable(json);
     const std::vector<std::string> chosen =
         dataset_clip.empty() ? std::vector<std::string>() : std::vector<std::string>{dataset_clip};
-    const std::vector<MotionInput> found = find_motions({clip}, chosen);
+    const std::vector<MotionInput> found = find_motions({clip}, chosen, read);
     if (found.size() != 1)
       throw UsageError(clip + " holds " + std::to_string(found.size()) +
                        " clips: choose one with --clip");
@@ -51,10 +51,8 @@ void add_render(CLI::App& app) {
   CLI::App* render = app.add_subcommand("render", "draw a clip as a .png, .mp4 or .gif");
   const auto command = std::make_shared<RenderCommand>();
   render
-      ->add_option(
-          "CLIP", command->clip,
-          "motion file (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds), or a dataset "
-          "folder with --clip")
+      ->add_option("CLIP", command->clip,
+                   kMotionFile + std::string(", or a dataset folder with --clip"))
       ->required();
   render
       ->add_option("--out", command->out,

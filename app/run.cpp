@@ -11,6 +11,7 @@
 #include "app/guide.h"
 #include "app/options.h"
 #include "app/parse_failure.h"
+#include "app/read_options.h"
 #include "app/torch_part.h"
 #include "app/version.h"
 #include "common/error.h"
@@ -22,6 +23,7 @@ namespace {
 char** g_argv = nullptr;
 
 int report(ExitCode code, const std::string& message) {
+  print_remarks();
   std::fprintf(stderr, "mocaplm: %s\n", message.c_str());
   return static_cast<int>(code);
 }
@@ -79,6 +81,7 @@ int run(CLI::App& app, int argc, char** argv) {
   }
   try {
     app.parse(argc, argv);
+    print_remarks();
     return static_cast<int>(ExitCode::ok);
   } catch (const CLI::Success& success) {
     return app.exit(success);

@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/read_options.h"
 #include "app/tokenize_page.h"
 #include "common/error.h"
 #include "common/files.h"
@@ -108,6 +109,8 @@ void run_tokenize(const CLI::App& app, TokenizeCommand& command) {
   }
   if (!command.decode.empty() && (!options.inputs.empty() || options.text))
     throw UsageError("--decode takes neither clips nor --text");
+  if (!command.decode.empty())
+    refuse_read_options(options.read, " is for motion files: --decode reads none");
   if (command.decode.empty() && options.inputs.empty())
     throw UsageError("give a dataset folder or motion files, or --decode with a corpus");
   if (!options.tokenizer.empty()) {
@@ -149,8 +152,7 @@ void add_tokenize(CLI::App& app) {
       app.add_subcommand("tokenize", "fit a tokenizer, write motion as text, or decode text");
   auto command = std::make_shared<TokenizeCommand>();
   TokenizeOptions& options = command->options;
-  tokenize->add_option("INPUT", options.inputs,
-                       "dataset folders or motion files (.npz, .pkl, .bvh)");
+  tokenize->add_option("INPUT", options.inputs, kMotionFiles + std::string("or dataset folders"));
   tokenize->add_option(
       "--out", options.out,
       "folder for tokenizer.json and the text, or a .json file; with --decode for the clips");
@@ -173,6 +175,7 @@ void add_tokenize(CLI::App& app) {
   bind_options(*tokenize, options.config);
   bind_options(*tokenize, options.tiles);
   bind_options(*tokenize, options.pieces);
+  add_read_options(*tokenize, options.read);
   tokenize->callback([tokenize, command] { run_tokenize(*tokenize, *command); });
 }
 

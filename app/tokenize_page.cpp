@@ -10,6 +10,7 @@ Page tokenize_page(const TokenizeOptions& options, const std::filesystem::path& 
   const std::unique_ptr<AnyTokenizer> tokenizer = load_tokenizer(tokenizer_file);
   ViewOptions view;
   view.inputs = options.inputs;
+  view.read = options.read;
   if (view.inputs.size() > kTokenizedClips) view.inputs.resize(kTokenizedClips);
   Page page = open_page(view);
   std::vector<PageMotion> originals;

@@ -36,9 +36,7 @@ void add_view(CLI::App& app) {
       app.add_subcommand("view", "write a page that plays clips side by side in a browser");
   auto command = std::make_shared<ViewCommand>();
   ViewOptions& options = command->options;
-  view->add_option("CLIP", options.inputs,
-                   "motion files (.npz, .pkl, .bvh), CLIP:from-to for a part (seconds), or dataset "
-                   "folders")
+  view->add_option("CLIP", options.inputs, kMotionFiles + std::string("or dataset folders"))
       ->required();
   view->add_option("--out", command->out, "the page, a .html file")->required();
   view->add_option("--clip", options.clips, "show these clips of the dataset folders")
@@ -52,7 +50,7 @@ void add_view(CLI::App& app) {
   view->add_option("--trails", options.trails,
                    "joints that draw their path (default: wrists, off at first)")
       ->delimiter(',');
-  add_read_options(*view, options.read, "--fps");
+  add_read_options(*view, options.read, {"--source-fps,--fps"});
   view->callback([command] { run_view(*command); });
 }
 

@@ -6,7 +6,7 @@
 #include "common/error.h"
 #include "model/transformer/setup.h"
 #include "model/transformer/weights.h"
-#include "motion/formats/formats.h"
+#include "motion/inputs.h"
 #include "train/corpus.h"
 
 namespace mocaplm {
@@ -51,6 +51,24 @@ std::vector<std::pair<double, std::size_t>> ranked(const Eigen::MatrixXd& log_sc
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   return order;
+}
+
+// What it says of a clip, a row for each label.
+void add_rows(StoredClassifier& stored, const NamedMotion& motion, const at::Device& device,
+              Table& table) {
+  LabelledSplit split;
+  split.clips.push_back(
+      label_clip(motion.read.clip, stored.tokenizer, stored.tasks, stored.window_frames));
+  add_windows(split, 0, stored.tokenizer, stored.window_frames);
+  const auto scores = class_scores(*stored.classifier, split, stored.window_frames, device);
+  for (std::size_t k = 0; k < stored.tasks.size(); ++k) {
+    const auto order = ranked(scores[k]);
+    const auto value = [&](std::size_t i) { return stored.tasks[k].values[order[i].second]; };
+    const bool two = order.size() > 1;
+    table.row({motion.text, stored.tasks[k].label, value(0), 100 * order[0].first,
+               two ? Json(value(1)) : Json(nullptr),
+               two ? Json(100 * order[1].first) : Json(nullptr), split.windows.size()});
+  }
 }
 
 }  // namespace
@@ -107,21 +125,9 @@ Table predict_table(const PredictOptions& options) {
   StoredClassifier stored = load_classifier(options, device);
   Table table("Predicted", {"clip", "label", "value", "%", "next", "% of next", "windows"});
   table.digits({-1, -1, -1, 1, -1, 1, -1});
-  for (const std::string& file : options.clips) {
-    LabelledSplit split;
-    split.clips.push_back(
-        label_clip(read_clip(file, {}), stored.tokenizer, stored.tasks, stored.window_frames));
-    add_windows(split, 0, stored.tokenizer, stored.window_frames);
-    const auto scores = class_scores(*stored.classifier, split, stored.window_frames, device);
-    for (std::size_t k = 0; k < stored.tasks.size(); ++k) {
-      const auto order = ranked(scores[k]);
-      const auto value = [&](std::size_t i) { return stored.tasks[k].values[order[i].second]; };
-      const bool two = order.size() > 1;
-      table.row({file, stored.tasks[k].label, value(0), 100 * order[0].first,
-                 two ? Json(value(1)) : Json(nullptr),
-                 two ? Json(100 * order[1].first) : Json(nullptr), split.windows.size()});
-    }
-  }
+  for (const MotionInput& input : find_motions(options.clips, {}, options.read))
+    for (const NamedMotion& motion : read_motions(input, options.read))
+      add_rows(stored, motion, device, table);
   return table;
 }
 

@@ -7,6 +7,7 @@
 
 #include "classify/classifier.h"
 #include "common/table.h"
+#include "motion/reading.h"
 
 namespace mocaplm {
 
@@ -21,13 +22,15 @@ std::vector<Eigen::MatrixXd> class_scores(Classifier& classifier, const Labelled
 
 struct PredictOptions {
   std::filesystem::path model;     // a classifier that `classify` kept
-  std::vector<std::string> clips;  // files of any format that import knows
+  std::vector<std::string> clips;  // as find_motions (motion/inputs.h) takes them
+  MotionReading read;
   std::string precision = "auto", device = "auto";
   int threads = 0;
 };
 
-// One row a clip and label: the likeliest value, its probability (mean over the clip's windows),
-// and the next. Throws UsageError when the model is no classifier, DataError for unreadable clips.
+// One row a clip (of a file with several motions each) and label: the likeliest value, its
+// probability (mean over the clip's windows), and the next. Throws UsageError when the model is no
+// classifier, DataError for unreadable clips.
 Table predict_table(const PredictOptions& options);
 
 }  // namespace mocaplm

@@ -107,7 +107,10 @@ QueryResult run_query(const QueryOptions& options) {
   check_config(options.config);
   result.dataset = load_dataset(options.dataset);
   const Dataset& dataset = result.dataset;
-  const RangedClip piece = read_clip_range(options.clip, &dataset);
+  const RangedClip piece = read_clip_range(options.clip, &dataset, options.read);
+  if (piece.entry != nullptr)
+    refuse_read_options(options.read,
+                        " is for motion files; " + piece.entry->name + " is the dataset's clip");
   std::string note;
   const SpectralIndex index =
       index_of(dataset, options.config, options.keep, options.threads, &note);

@@ -8,6 +8,7 @@
 #include "common/settings.h"
 #include "common/table.h"
 #include "motion/dataset.h"
+#include "motion/reading.h"
 #include "spectral/config.h"
 #include "spectral/search.h"
 
@@ -32,7 +33,8 @@ struct QueryConfig {
 
 struct QueryOptions {
   std::filesystem::path dataset, keep;  // `keep`: the folder of the index, empty for the dataset's
-  std::string clip;                     // CLIP[:from-to]
+  std::string clip;                     // CLIP[:from-to] of the dataset, or a motion file
+  MotionReading read;                   // of such a file
   SpectralConfig config;
   QueryConfig query;
   std::int64_t threads = 0;

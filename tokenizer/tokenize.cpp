@@ -8,9 +8,8 @@
 #include "common/error.h"
 #include "common/progress.h"
 #include "common/text.h"
-#include "motion/dataset.h"
-#include "motion/formats/formats.h"
 #include "motion/formats/npz.h"
+#include "motion/inputs.h"
 #include "tokenizer/corpus.h"
 #include "tokenizer/measure.h"
 
@@ -28,24 +27,23 @@ struct Source {
   std::function<Clip()> read;
 };
 
-void add_dataset(const std::string& folder, std::vector<Source>& sources) {
-  const auto dataset = std::make_shared<Dataset>(load_dataset(folder));
-  const bool has_training = !dataset->split("train").empty();
-  for (const DatasetEntry& entry : dataset->entries)
-    sources.push_back({entry.name, !has_training || entry.split == "train",
-                       has_training && entry.split == "test",
-                       [dataset, entry] { return load_clip(*dataset, entry); }});
+// The training split of a dataset is fitted on; where it has none, and of files, all.
+Source source_of(const MotionInput& input, const MotionReading& reading) {
+  Source source{input.name, true, false,
+                [input, reading] { return read_motion(input, reading).clip; }};
+  if (input.dataset && !input.dataset->split("train").empty()) {
+    const std::string split = input.entry()->split;
+    source.fit = split == "train";
+    source.test = split == "test";
+  }
+  return source;
 }
 
-std::vector<Source> open_inputs(const std::vector<std::string>& inputs) {
+std::vector<Source> open_inputs(const TokenizeOptions& options) {
   std::vector<Source> sources;
-  for (const std::string& input : inputs) {
-    if (fs::is_directory(input))
-      add_dataset(input, sources);
-    else
-      sources.push_back(
-          {fs::path(input).stem().string(), true, false, [input] { return read_clip(input); }});
-  }
+  for (const MotionInput& input : find_motions(options.inputs, {}, options.read))
+    for (const MotionInput& part : parts_of(input, options.read))
+      sources.push_back(source_of(part, options.read));
   if (sources.empty()) throw UsageError("there are no clips to tokenize");
   std::set<std::string> names;
   for (const Source& source : sources)
@@ -143,7 +141,7 @@ Table tokenize(const TokenizeOptions& options) {
   if ((options.text || options.pieces.any()) && to_file)
     throw UsageError("a text or pieces need a folder for --out, " + options.out.string() +
                      " is a .json file");
-  const std::vector<Source> sources = open_inputs(options.inputs);
+  const std::vector<Source> sources = open_inputs(options);
   const std::unique_ptr<AnyTokenizer> tokenizer = make_tokenizer(options, sources);
   const fs::path target = to_file ? options.out : options.out / "tokenizer.json";
   const fs::path corpus = options.out / "corpus.txt";
@@ -186,7 +184,7 @@ std::vector<ReportRow> tokenize_report(const TokenizeOptions& options,
   const std::vector<ReportSetting> settings =
       report_settings(specs, {"", options.config, options.tiles, options.pieces});
   std::vector<Clip> fitted, held_out;
-  const std::vector<Source> sources = open_inputs(options.inputs);
+  const std::vector<Source> sources = open_inputs(options);
   Progress progress("read", sources.size(), "clips");
   for (const Source& source : sources) {
     if (source.fit) fitted.push_back(source.read());

@@ -8,13 +8,15 @@
 #include <vector>
 
 #include "common/table.h"
+#include "motion/reading.h"
 #include "tokenizer/report.h"
 #include "tokenizer/tokenizer.h"
 
 namespace mocaplm {
 
 struct TokenizeOptions {
-  std::vector<std::string> inputs;  // dataset folders and motion files
+  std::vector<std::string> inputs;  // as find_motions (motion/inputs.h) takes them
+  MotionReading read;               // of files
   std::filesystem::path out;        // a folder, or with no text a .json file
   TokenizerConfig config;
   TileConfig tiles;                 // with tiles.tiles > 0 words are tiles, not frames

@@ -39,7 +39,7 @@ class Opener {
   std::vector<MotionInput> chosen() {
     std::vector<MotionInput> shown;
     std::map<const Dataset*, std::size_t> counts;
-    for (const MotionInput& input : find_motions(options_.inputs, options_.clips)) {
+    for (const MotionInput& input : find_motions(options_.inputs, options_.clips, options_.read)) {
       if (input.dataset && options_.clips.empty()) {
         const std::size_t count = ++counts[input.dataset.get()];
         if (count == kDatasetPreview + 1) remark_preview(*input.dataset);
@@ -58,17 +58,19 @@ class Opener {
   }
 
   void add(const MotionInput& input) {
-    if (page_.motions.size() == kMaxPageMotions)
-      throw UsageError("a page shows at most " + std::to_string(kMaxPageMotions) +
-                       " motions; name fewer");
-    RangedClip read = read_motion(input, options_.read);
-    std::string caption;
-    if (input.dataset) {
-      if (input.dataset->procedural)
-        page_.note = "procedural dances, made by formulas, not recorded";
-      caption = read.entry->split + " clip of " + input.dataset->directory.string();
+    for (NamedMotion& motion : read_motions(input, options_.read)) {
+      if (page_.motions.size() == kMaxPageMotions)
+        throw UsageError("a page shows at most " + std::to_string(kMaxPageMotions) +
+                         " motions; name fewer");
+      std::string caption;
+      if (input.dataset) {
+        if (input.dataset->procedural)
+          page_.note = "procedural dances, made by formulas, not recorded";
+        caption = motion.read.entry->split + " clip of " + input.dataset->directory.string();
+      }
+      page_.motions.push_back(
+          {motion.name, std::move(motion.read.clip), joints_, trails_, caption});
     }
-    page_.motions.push_back({input.name, std::move(read.clip), joints_, trails_, caption});
   }
 
   std::string made_title() const {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/formats/formats.h"
+#include "motion/reading.h"
 #include "viewer/page.h"
 
 namespace mocaplm {
@@ -16,12 +16,12 @@ constexpr std::size_t kDatasetPreview = 6;
 
 struct ViewOptions {
   // As find_motions (motion/inputs.h) takes them.
-  std::vector<std::string> inputs;          // .npz, .pkl, .bvh files and dataset directories
+  std::vector<std::string> inputs;          // motion files and dataset directories
   std::vector<std::string> clips;           // names of clips in the dataset directories
   std::vector<std::string> joints, trails;  // joints or groups (parse_joints); may be empty
   std::string title;                        // empty: made from the names
   std::string note;                         // beside the title; procedural datasets say so anyway
-  ReadOptions read;                         // for files; a dataset's clips are already read
+  MotionReading read;                       // for files; a dataset's clips are already read
 };
 
 // Reads the clips in the order given. Throws UsageError (nothing to show, too many, unknown joints,

@@ -1,6 +1,6 @@
 // Continues a motion with a trained model, and says how far the dancer got:
 //   continue_dance MODEL CLIP SECONDS OUT.bvh
-// OUT holds CLIP and SECONDS more.
+// CLIP is a motion file, of a part FILE:from-to or FILE#PART. OUT holds it and SECONDS more.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -10,6 +10,7 @@
 #include "generate/generator.h"
 #include "model/directory.h"
 #include "motion/formats/formats.h"
+#include "motion/inputs.h"
 
 int main(int argc, char** argv) {
   if (argc != 5) {
@@ -21,7 +22,7 @@ int main(int argc, char** argv) {
     mocaplm::Generator generator(mocaplm::load_model(argv[1]), folder);
 
     mocaplm::GenerateRequest request;
-    request.prompt = mocaplm::read_clip(argv[2]);
+    request.prompt = mocaplm::read_one_motion(argv[2]);
     request.seconds = std::atof(argv[3]);  // 0 of what is no number, which is refused
     request.sampling.seed = 1;
     const mocaplm::Clip dance = generator.generate(request).clip;

@@ -211,7 +211,7 @@ TEST(Slips, ValuesAreAskedForInWords) {
   says("synth --out x --dancers 9", "--dancers: \"9\" is not a whole number from 1 to 3");
   says("generate --model x --seconds -4", "--seconds: \"-4\" is not a number from 0.05 to 3600");
   says("evaluate --data x --horizons a", "--horizons: \"a\" is not a list of numbers");
-  says("view x --out y.html --up w", "--up: \"w\" is not one of auto, y, z");
+  says("view x --out y.html --up w", "--up: \"w\" is not known. One of: auto, x, y, z, -x, -y, -z");
   says("synth --out x --out y", "--out can be given only once");
   says("synth --out x extra", "mocaplm synth has no use for \"extra\"");
 }
