@@ -4,6 +4,7 @@
 #include "common/files.h"
 #include "common/text.h"
 #include "motion/formats/aist.h"
+#include "motion/formats/disguise.h"
 #include "motion/formats/glb.h"
 #include "motion/formats/joint_csv.h"
 #include "motion/formats/npz.h"
@@ -63,9 +64,10 @@ Format by_content(const std::string& head) {
 // The extension decides; a file that clearly is another format is refused by what it looks like.
 Format format_of(const fs::path& path) {
   const std::string file = path.string();
-  const std::string head = read_head(path, 64);
+  const std::string head = read_head(path, 512);
   const Format named = by_extension(path), found = by_content(head);
   if (head.empty()) throw DataError(in_file(file), "is empty");
+  refuse_disguised(head, path);
   if ((named == Format::glb || named == Format::csv) && !is_read(found))
     throw DataError(in_file(file), "is a " + path.extension().string() +
                                        ", which is written but not read; expected .npz (AMASS), "
@@ -116,7 +118,9 @@ std::vector<ReadMotion> read_clips(const fs::path& path, const ReadOptions& opti
       bvh.map_file = options.bvh_map;
       bvh.up = options.up;
       bvh.unit = options.unit;
+      bvh.fill_gaps = options.fill_gaps;
       motion.clip = read_bvh_clip(path, bvh, &motion.report.retarget);
+      motion.report.remarks = std::move(motion.report.retarget.remarks);
     }
   }
   check_clip(motion.clip, path.string());
@@ -129,8 +133,8 @@ Clip read_clip(const fs::path& path, const ReadOptions& options, ReadReport* rep
   if (motions.size() > 1) {
     std::vector<std::string> names;
     for (const ReadMotion& motion : motions) names.push_back(motion.clip.name);
-    throw DataError(in_file(path.string()), "holds " + std::to_string(names.size()) +
-                                                " motions (" + join(names, ", ") +
+    throw DataError(in_file(path.string()), "holds " + std::to_string(names.size()) + " motions (" +
+                                                join(names, ", ") +
                                                 "), expected one: name one as FILE#PART");
   }
   if (report != nullptr) *report = std::move(motions.front().report);

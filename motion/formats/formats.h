@@ -9,6 +9,7 @@
 
 #include "motion/clip.h"
 #include "motion/formats/bvh_unit.h"
+#include "motion/formats/remark.h"
 #include "motion/formats/retarget_report.h"
 #include "motion/formats/up_axis.h"
 
@@ -18,20 +19,13 @@ namespace mocaplm {
 struct ReadOptions {
   std::optional<double> fps;      // overrides the file's rate; (0, 10000]
   UpAxis up = UpAxis::automatic;  // overrides the format's up axis
-  std::optional<double> unit;     // metres per unit of the file, where lengths have one; 1e-6 to 1e6
-  std::string bvh_map;            // a JSON map for a skeleton that is not recognised
-  bool keep_path = false;         // the root's own path, not scaled by the legs
-  bool fill_gaps = false;         // values that are nan for up to a second are interpolated
-  std::int64_t drop_first = 0;    // leading frames to leave out
+  std::optional<double> unit;   // metres per unit of the file, where lengths have one; 1e-6 to 1e6
+  std::string bvh_map;          // a JSON map for a skeleton that is not recognised
+  bool keep_path = false;       // the root's own path, not scaled by the legs
+  bool fill_gaps = false;       // values that are nan for up to a second are interpolated
+  std::int64_t drop_first = 0;  // leading frames to leave out
   std::string part;  // of a file with several people or takes: the name of one; "": its only one
   std::string body;  // an SMPL model file: joints of the clip's own shape
-};
-
-// What a reader took for granted or found odd. `kind` is the same for the same trouble in other
-// files, so that many files give one message: "frames announced".
-struct Remark {
-  std::string kind;
-  std::string text;  // a sentence without the file's name and without a full stop
 };
 
 struct ReadReport {

@@ -21,6 +21,7 @@ struct BvhOptions {
   std::optional<double>
       unit;  // metres per unit of the file; default: the map's, else from the figure's size
   UpAxis up = UpAxis::automatic;
+  bool fill_gaps = false;  // values that are nan for up to a second are interpolated
 };
 
 // Reads a .bvh file as a clip of SMPL's skeleton; the clip's name is the file's stem. Every frame

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "motion/formats/remark.h"
+
 namespace mocaplm {
 
 // The angle between a bone of the source and the same bone of the SMPL figure after conversion,
@@ -23,6 +25,7 @@ struct RetargetReport {
   std::vector<LimbError> limbs;  // upper and lower arms and legs that both figures have
   double mean_degrees = 0;       // over those limbs and all frames
   double max_degrees = 0;
+  std::vector<Remark> remarks;         // of the file's text and of the figure
   std::vector<std::string> unmatched;  // SMPL joints without a source: they follow or interpolate
 };
 
