@@ -1,7 +1,6 @@
 #include "app/described.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "app/described_parts.h"
@@ -11,8 +10,6 @@
 #include "emulator/motions.h"
 #include "gesture/model.h"
 #include "model/directory.h"
-#include "motion/formats/aist.h"
-#include "motion/formats/formats.h"
 #include "motion/import.h"
 #include "motion/skeleton.h"
 #include "tokenizer/any_tokenizer.h"
@@ -22,52 +19,6 @@ namespace fs = std::filesystem;
 namespace mocaplm {
 
 namespace {
-
-std::string label_text(const Labels& labels) {
-  std::vector<std::string> parts;
-  for (const auto& [label, value] : labels) parts.push_back(label + " " + value);
-  return parts.empty() ? "none" : join(parts, ", ");
-}
-
-void add_floor_rows(Table& table, const Clip& clip) {
-  double lowest = 1e9;
-  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
-    const JointPositions joints = joint_positions(clip, t);
-    // Ankles and feet.
-    lowest = std::min({lowest, joints(7, 1), joints(8, 1), joints(10, 1), joints(11, 1)});
-  }
-  double way = 0;
-  for (Eigen::Index t = 1; t < clip.frames(); ++t)
-    way += std::hypot(clip.trans(t, 0) - clip.trans(t - 1, 0),
-                      clip.trans(t, 2) - clip.trans(t - 1, 2));
-  const Eigen::RowVector3d low = clip.trans.colwise().minCoeff() + rest_joints().row(0);
-  const Eigen::RowVector3d high = clip.trans.colwise().maxCoeff() + rest_joints().row(0);
-  table.row(
-      {"pelvis height", format_fixed(low.y(), 2) + " to " + format_fixed(high.y(), 2) + " m"});
-  table.row({"lowest foot joint", format_fixed(lowest, 3) + " m"});
-  table.row({"way of the pelvis over the floor", format_fixed(way, 2) + " m"});
-}
-
-std::vector<Table> describe_clip(const fs::path& path) {
-  ReadReport read;
-  const Clip clip = read_clip(path, {}, &read);
-  const RetargetReport& retarget = read.retarget;
-  Table table(path.string(), {"motion file", lower(path.extension().string()).substr(1)});
-  table.row({"frames", clip.frames()});
-  table.row({"frames per second", clip.fps});
-  table.row({"length", format_fixed(clip.seconds(), 2) + " s"});
-  table.row(
-      {"labels of its name", label_text(aist_labels(path.stem().string()).value_or(Labels{}))});
-  add_floor_rows(table, clip);
-  if (!retarget.scheme.empty()) {
-    table.row({"skeleton", retarget.scheme});
-    table.row(
-        {"limb directions off by", format_fixed(retarget.mean_degrees, 1) + " degrees on average"});
-    if (!retarget.unmatched.empty())
-      table.row({"SMPL joints without a source", join(retarget.unmatched, ", ")});
-  }
-  return {table};
-}
 
 std::vector<Table> describe_dataset(const fs::path& path) {
   const Dataset dataset = load_dataset(path);
@@ -200,7 +151,7 @@ std::vector<Table> describe_path(const fs::path& path) {
   if (ending == ".json" || path.filename() == "complete")
     return describe_json_file(path, path.has_parent_path() ? path.parent_path() : ".");
   if (const Describe describe = describer_of(ending)) return describe(path);
-  return describe_clip(path);
+  return describe_motion(path);
 }
 
 }  // namespace mocaplm
