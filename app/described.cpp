@@ -1,7 +1,6 @@
 #include "app/described.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "app/described_parts.h"
@@ -11,8 +10,6 @@
 #include "emulator/motions.h"
 #include "gesture/model.h"
 #include "model/directory.h"
-#include "motion/formats/aist.h"
-#include "motion/formats/formats.h"
 #include "motion/import.h"
 #include "motion/inputs.h"
 #include "motion/skeleton.h"
@@ -23,53 +20,6 @@ namespace fs = std::filesystem;
 namespace mocaplm {
 
 namespace {
-
-std::string label_text(const Labels& labels) {
-  std::vector<std::string> parts;
-  for (const auto& [label, value] : labels) parts.push_back(label + " " + value);
-  return parts.empty() ? "none" : join(parts, ", ");
-}
-
-void add_floor_rows(Table& table, const Clip& clip) {
-  double lowest = 1e9;
-  for (Eigen::Index t = 0; t < clip.frames(); ++t) {
-    const JointPositions joints = joint_positions(clip, t);
-    // Ankles and feet.
-    lowest = std::min({lowest, joints(7, 1), joints(8, 1), joints(10, 1), joints(11, 1)});
-  }
-  double way = 0;
-  for (Eigen::Index t = 1; t < clip.frames(); ++t)
-    way += std::hypot(clip.trans(t, 0) - clip.trans(t - 1, 0),
-                      clip.trans(t, 2) - clip.trans(t - 1, 2));
-  const Eigen::RowVector3d low = clip.trans.colwise().minCoeff() + rest_joints().row(0);
-  const Eigen::RowVector3d high = clip.trans.colwise().maxCoeff() + rest_joints().row(0);
-  table.row(
-      {"pelvis height", format_fixed(low.y(), 2) + " to " + format_fixed(high.y(), 2) + " m"});
-  table.row({"lowest foot joint", format_fixed(lowest, 3) + " m"});
-  table.row({"way of the pelvis over the floor", format_fixed(way, 2) + " m"});
-}
-
-std::vector<Table> describe_clip(const fs::path& path, const ReadOptions& options,
-                                 const ClipRange& range = {}) {
-  ReadReport read;
-  const Clip clip = cut(read_clip(path, options, &read), range).clip;
-  const RetargetReport& retarget = read.retarget;
-  Table table(path.string(), {"motion file", lower(path.extension().string()).substr(1)});
-  table.row({"frames", clip.frames()});
-  table.row({"frames per second", clip.fps});
-  table.row({"length", format_fixed(clip.seconds(), 2) + " s"});
-  table.row(
-      {"labels of its name", label_text(aist_labels(path.stem().string()).value_or(Labels{}))});
-  add_floor_rows(table, clip);
-  if (!retarget.scheme.empty()) {
-    table.row({"skeleton", retarget.scheme});
-    table.row(
-        {"limb directions off by", format_fixed(retarget.mean_degrees, 1) + " degrees on average"});
-    if (!retarget.unmatched.empty())
-      table.row({"SMPL joints without a source", join(retarget.unmatched, ", ")});
-  }
-  return {table};
-}
 
 std::vector<Table> describe_dataset(const fs::path& path) {
   const Dataset dataset = load_dataset(path);
@@ -204,13 +154,13 @@ std::vector<Table> describe_path(const fs::path& path, const ReadOptions& option
   if (ending == ".json" || path.filename() == "complete")
     return describe_json_file(path, path.has_parent_path() ? path.parent_path() : ".");
   const Describe describe = describer_of(ending);
-  if (describe == nullptr) return describe_clip(path, options);
+  if (describe == nullptr) return describe_motion(path, options);
   if (!looks_like_motion(path)) return describe(path);
   // A table of joint positions or a figure, which stays what it is where no motion can be made of it.
   std::vector<Table> tables;
   if (ending != ".csv") tables = describe(path);
   try {
-    for (Table& table : describe_clip(path, options)) tables.push_back(std::move(table));
+    for (Table& table : describe_motion(path, options)) tables.push_back(std::move(table));
     return tables;
   } catch (const DataError& error) {
     if (tables.empty()) tables = describe(path);
@@ -232,7 +182,7 @@ std::vector<Table> describe_named(const std::string& text, const ReadOptions& op
     static_cast<ReadOptions&>(reading) = options;
     read_motion(input, reading);  // throws where there is no such part
   }
-  return describe_clip(input.file(), own, range);
+  return describe_motion(input.file(), own, range);
 }
 
 }  // namespace mocaplm

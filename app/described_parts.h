@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/table.h"
+#include "motion/clip_range.h"
 
 namespace mocaplm {
 
@@ -15,6 +16,10 @@ std::string value_text(std::vector<std::string> values);
 // The value of a key of an object, or 0 and "" where it is none such.
 double number_of(const Json& json, const char* key);
 std::string text_of(const Json& json, const char* key);
+
+// Motions of a file: length, figure, how it stands, what is remarkable. In described_motion.cpp.
+std::vector<Table> describe_motion(const std::filesystem::path& file, const ReadOptions& options = {},
+                                   const ClipRange& range = {});
 
 // Models, training runs and experiments; their folders.
 std::vector<Table> describe_model(const std::filesystem::path& folder);

@@ -26,6 +26,7 @@ struct ImportCommand {
     if (!report.dataset.label_names().empty())
       std::printf("\n%s", label_table(report.dataset).text().c_str());
     if (!report.limbs.empty()) std::printf("\n%s", report.limbs.table().text().c_str());
+    std::printf("\n%s", report.figures.table().text().c_str());
     print_notes(report);
     if (!json.empty()) save_json(json, report_json(report));
     if (!report.broken.empty())
@@ -43,7 +44,9 @@ struct ImportCommand {
     for (const auto& copies : report.duplicates)
       std::printf("The same motion, kept in one group: %s\n", join(copies, ", ").c_str());
     for (const std::string& warning : report.warnings) std::printf("Note: %s.\n", warning.c_str());
-    for (const BrokenFile& file : report.broken) std::printf("Left out: %s\n", file.reason.c_str());
+    for (const std::string& line : remark_lines(report)) std::printf("Note: %s.\n", line.c_str());
+    for (const std::string& line : left_out_lines(report))
+      std::printf("Left out: %s\n", line.c_str());
     std::fflush(stdout);
   }
 };
@@ -63,6 +66,15 @@ void add_import(CLI::App& app) {
   command->get_option("--label-regex")->type_name("REGEX");
   command->get_option("--group")->type_name("REGEX|FILE");
   command->get_option("--map")->type_name("FILE");
+  command->get_option("--body")->type_name("FILE");
+  // As the other commands call them.
+  command->add_option("--bvh-map", state->config.map, "the same as --map")
+      ->type_name("FILE")
+      ->excludes("--map");
+  command->add_option("--source-fps", state->config.fps, "the same as --fps")
+      ->check(CLI::Range(0.001, 10000.0))
+      ->check(BindOptions::finite())
+      ->excludes("--fps");
   CLI::Option* append =
       command->add_flag("--append", state->append, "add to the dataset that is there");
   command->add_flag("--overwrite", state->overwrite, "replace the dataset that is there")

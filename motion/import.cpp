@@ -14,7 +14,6 @@
 #include "common/settings.h"
 #include "common/text.h"
 #include "motion/floor.h"
-#include "motion/formats/formats.h"
 #include "motion/formats/retarget_map.h"
 #include "motion/import/labels.h"
 #include "motion/import/splits.h"
@@ -29,8 +28,14 @@ namespace {
 struct Item {
   DatasetEntry entry;
   std::uint64_t content = 0;
-  bool sound = false;
+  BodyPosture posture;
+  RetargetReport retarget;
+  std::string part;  // of a file with several: what tells it from the others
 };
+
+const char* const kParts = ".parts/";
+
+constexpr Eigen::Index kLookedAt = 64;  // frames of a clip that show how it stands
 
 // Of all numbers' bits. Never stored: it only has to tell the clips of one import apart.
 std::uint64_t content_hash(const Clip& clip) {
@@ -52,18 +57,19 @@ ReadOptions read_options(const ImportConfig& config, const FileFacts& facts) {
   ReadOptions options;
   options.fps = facts.fps;
   options.up = up_axis_of(config.up);
+  if (config.unit > 0) options.unit = config.unit;
   options.bvh_map = config.map;
+  options.keep_path = config.keep_path;
+  options.fill_gaps = config.fill_gaps;
   options.drop_first = facts.drop_first;
+  options.body = config.body;
   return options;
 }
 
-Clip read_source(const ImportConfig& config, const SourceFile& source, const FileFacts& facts,
-                 ReadReport& report) {
-  Clip clip = read_clip(source.path, read_options(config, facts), &report);
-  if (config.align_floor) align_floor(clip);
-  clip.name = source.name;
-  clip.labels = facts.labels;
-  return clip;
+// What tells a clip from the others of its file: "2" of "walk_2".
+std::string part_of(const Clip& clip, const SourceFile& source) {
+  const std::string stem = source.path.stem().string() + "_";
+  return clip.name.compare(0, stem.size(), stem) == 0 ? clip.name.substr(stem.size()) : clip.name;
 }
 
 // One import from the beginning to the end.
@@ -91,7 +97,7 @@ class Import {
   ImportReport run() {
     write_dataset(job_.out, job_.existing, [&](const fs::path& directory) {
       read_all(directory);
-      return finish();
+      return finish(directory);
     });
     report_.dataset.directory = job_.out;
     return std::move(report_);
@@ -139,17 +145,21 @@ class Import {
       entries.push_back(entry);
     }
     shares_ = use_split_lists(config_.split_list, sources_, shares_, entries);
-    for (DatasetEntry& entry : entries) items_.push_back({std::move(entry), 0, false});
+    planned_ = std::move(entries);
+    items_.resize(sources_.size());
   }
 
   void read_all(const fs::path& directory) {
     Progress progress("importing", sources_.size(), "files");
     std::mutex mutex;
     std::map<std::size_t, BrokenFile> broken;
+    std::map<std::size_t, std::vector<Remark>> remarks;
+    Troubles left_out, remarked;
     parallel_for(sources_.size(), job_.threads, [&](std::size_t i) {
       std::string reason;
+      std::vector<Remark> found;
       try {
-        read_one(i, directory, mutex);
+        found = read_one(i, directory);
       } catch (const DataError& error) {
         if (job_.strict) throw;
         reason = error.what();
@@ -157,45 +167,100 @@ class Import {
         if (job_.strict) throw;
         reason = sources_[i].path.string() + ": too large for this machine's memory";
       }
+      const std::string file = sources_[i].path.string();
       const std::lock_guard<std::mutex> lock(mutex);
       if (!reason.empty()) {
-        broken[i] = {sources_[i].path.string(), reason};
-        progress.print("left out: " + reason);
+        broken[i] = {file, reason};
+        if (left_out.add({file, {kind_of_error(reason, file), reason}}))
+          progress.print("left out: " + reason);
       }
+      for (const Remark& remark : found)
+        if (remarked.add({file, remark})) progress.print("note: " + file + ": " + remark.text);
+      if (!found.empty()) remarks[i] = std::move(found);
       progress.add();
     });
     progress.finish();
     for (auto& [index, file] : broken) report_.broken.push_back(std::move(file));
+    for (auto& [index, found] : remarks)
+      for (Remark& remark : found)
+        report_.remarks.push_back({sources_[index].path.string(), std::move(remark)});
   }
 
-  void read_one(std::size_t i, const fs::path& directory, std::mutex& mutex) {
-    Item& item = items_[i];
-    ReadReport read;
-    const Clip clip = read_source(config_, sources_[i], facts_[i], read);
-    item.entry.frames = clip.frames();
-    item.entry.fps = clip.fps;
-    item.content = content_hash(clip);
-    store_clip(directory, item.entry, clip);
-    item.sound = true;
-    const std::lock_guard<std::mutex> lock(mutex);
-    if (!read.retarget.limbs.empty())
-      report_.limbs.add(item.entry.name, clip.frames(), read.retarget);
+  // Reads and stores the clips of one file; returns what is to be said of them. Those of a file
+  // with several lie in a folder of their own until the names of all are known.
+  std::vector<Remark> read_one(std::size_t i, const fs::path& directory) {
+    const FileFacts& facts = facts_[i];
+    std::vector<ReadMotion> motions = job_.read(sources_[i].path, read_options(config_, facts));
+    std::vector<Item> items;
+    std::vector<Remark> found;
+    for (std::size_t k = 0; k < motions.size(); ++k) {
+      Clip& clip = motions[k].clip;
+      ReadReport& read = motions[k].report;
+      Item item;
+      item.entry = planned_[i];
+      if (motions.size() > 1) {
+        item.part = part_of(clip, sources_[i]);
+        item.entry.file = kParts + std::to_string(i) + "/" + std::to_string(k) + ".npz";
+        fs::create_directories((directory / item.entry.file).parent_path());
+        for (Remark& remark : read.remarks) remark.text = item.part + ": " + remark.text;
+      }
+      if (config_.align_floor) align_floor(clip);
+      clip.name = sources_[i].name;
+      clip.labels = facts.labels;
+      item.entry.frames = clip.frames();
+      item.entry.fps = clip.fps;
+      item.content = content_hash(clip);
+      item.posture = measure_posture(clip, kLookedAt);
+      item.retarget = std::move(read.retarget);
+      store_clip(directory, item.entry, clip);
+      std::vector<Remark> odd = unlikely(item.posture, item.retarget);
+      for (std::vector<Remark>* remarks : {&read.remarks, &odd})
+        found.insert(found.end(), remarks->begin(), remarks->end());
+      items.push_back(std::move(item));
+    }
+    items_[i] = std::move(items);
+    return found;
   }
 
-  // Everything that needs all clips: copies, splits, the list.
-  Dataset finish() {
-    items_.erase(
-        std::remove_if(items_.begin(), items_.end(), [](const Item& i) { return !i.sound; }),
-        items_.end());
-    if (items_.empty())
+  // Clips of one file are called by it and by their part; a number keeps them from all others.
+  void name_parts(const fs::path& directory) {
+    std::set<std::string> taken;
+    for (const DatasetEntry& entry : old_.entries) taken.insert(entry.name);
+    for (const SourceFile& source : sources_) taken.insert(source.name);
+    for (std::size_t i = 0; i < items_.size(); ++i)
+      for (Item& item : items_[i]) {
+        if (items_[i].size() < 2) continue;
+        const std::string name = clip_name(sources_[i].name + "_" + item.part);
+        item.entry.name = name;
+        for (int number = 2; !taken.insert(item.entry.name).second; ++number)
+          item.entry.name = name + "_" + std::to_string(number);
+        const fs::path stored = directory / item.entry.file;
+        item.entry.file = clip_file(item.entry.name);
+        fs::rename(stored, directory / item.entry.file);
+      }
+    fs::remove_all(directory / kParts);
+  }
+
+  // Everything that needs all clips: names of parts, copies, splits, the list.
+  Dataset finish(const fs::path& directory) {
+    name_parts(directory);
+    std::vector<Item> items;
+    for (std::vector<Item>& file : items_)
+      for (Item& item : file) items.push_back(std::move(item));
+    if (items.empty())
       throw DataError(in_file(job_.out.string()),
                       "nothing was written: none of the " + std::to_string(sources_.size()) +
                           " files could be read; the first: " + report_.broken.front().reason);
-    report_.imported = items_.size();
-    add_old_items();
-    join_duplicates();
+    report_.imported = items.size();
+    for (const Item& item : items) {
+      if (!item.retarget.limbs.empty())
+        report_.limbs.add(item.entry.name, item.entry.frames, item.retarget);
+      report_.figures.add(item.entry.name, item.posture, item.retarget);
+    }
+    add_old_items(items);
+    join_duplicates(items);
     Dataset dataset;
-    for (Item& item : items_) dataset.entries.push_back(std::move(item.entry));
+    for (Item& item : items) dataset.entries.push_back(std::move(item.entry));
     assign_splits(dataset.entries, shares_, config_.stratify,
                   static_cast<std::uint64_t>(config_.seed));
     std::sort(dataset.entries.begin(), dataset.entries.end(),
@@ -207,21 +272,22 @@ class Import {
     return dataset;
   }
 
-  void add_old_items() {
+  void add_old_items(std::vector<Item>& items) {
     std::set<std::int64_t> lengths;
-    for (const Item& item : items_) lengths.insert(item.entry.frames);
+    for (const Item& item : items) lengths.insert(item.entry.frames);
     for (const DatasetEntry& entry : old_.entries) {
-      Item item{entry, 0, true};
+      Item item;
+      item.entry = entry;
       // Only a clip of the same length can be a copy.
       if (lengths.count(entry.frames) > 0) item.content = content_hash(load_clip(old_, entry));
-      items_.push_back(item);
+      items.push_back(item);
     }
   }
 
   // Copies of one motion go into one group, and so do the groups that they were in.
-  void join_duplicates() {
+  void join_duplicates(std::vector<Item>& items) {
     std::map<std::uint64_t, std::vector<Item*>> same;
-    for (Item& item : items_)
+    for (Item& item : items)
       if (item.content != 0) same[item.content].push_back(&item);
     for (auto& [hash, copies] : same) {
       if (copies.size() < 2) continue;
@@ -233,7 +299,7 @@ class Import {
       }
       std::sort(names.begin(), names.end());
       report_.duplicates.push_back(names);
-      for (Item& item : items_)
+      for (Item& item : items)
         if (groups.count(item.entry.group) > 0) item.entry.group = *groups.begin();
     }
     std::sort(report_.duplicates.begin(), report_.duplicates.end());
@@ -245,7 +311,8 @@ class Import {
   Dataset old_;
   std::vector<SourceFile> sources_;
   std::vector<FileFacts> facts_;
-  std::vector<Item> items_;
+  std::vector<DatasetEntry> planned_;     // one for each source
+  std::vector<std::vector<Item>> items_;  // of each source, those of its clips
   ImportReport report_;
 };
 

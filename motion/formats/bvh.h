@@ -14,6 +14,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "motion/clip.h"
 #include "motion/formats/bvh_unit.h"
 #include "motion/formats/out_scheme.h"
+#include "motion/formats/remark.h"
 
 namespace mocaplm {
 
@@ -39,21 +41,30 @@ struct BvhJoint {
 struct Bvh {
   std::vector<BvhJoint> joints;
   double frame_time = 0;  // seconds, as written
-  double fps = 0;         // 1 / frame_time, whole where that is what the written digits mean
+  double fps = 0;         // what the written digits mean (bvh_frame_rate.h), or as was asked for
   // (frames, channels): every channel of every joint, in the order of the hierarchy.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;
+  std::vector<Remark> remarks;  // slips that did no harm, and what was guessed
 
   Eigen::Index frames() const { return values.rows(); }
   int channels() const { return static_cast<int>(values.cols()); }
   int joint(const std::string& name) const;  // index, or -1
 };
 
-// Reads a file of at most 256 MiB and 1,000,000 frames. Throws DataError naming line, and in the
-// motion part frame, joint and channel: bad syntax, doubled names, a frame with too few or too many
-// values, more or fewer frames than announced, numbers that are not finite.
-Bvh read_bvh(const std::filesystem::path& path);
+struct BvhTextOptions {
+  bool fill_gaps = false;     // interpolate values that are nan (bvh_gaps.h)
+  std::optional<double> fps;  // in place of the frame time's
+};
+
+// Reads a file of at most 256 MiB and 1,000,000 frames. Slips of the header that leave no doubt of
+// the motion are said in `remarks`: more or fewer whole frames than announced, a last line that is
+// cut short, End Sites with names, two joints of one name (the second becomes "name_2"), a frame
+// time of few digits. Throws DataError naming line, and in the motion part frame, joint and
+// channel: bad syntax, a frame with too few or too many values, a file cut short, numbers that are
+// not finite.
+Bvh read_bvh(const std::filesystem::path& path, const BvhTextOptions& options = {});
 // The same for text in memory; `name` stands for the file in messages.
-Bvh parse_bvh(std::string_view text, const std::string& name);
+Bvh parse_bvh(std::string_view text, const std::string& name, const BvhTextOptions& options = {});
 
 // World rotation and position of every joint.
 struct BvhPose {

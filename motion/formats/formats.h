@@ -31,6 +31,10 @@ struct ReadOptions {
   std::string body;  // an SMPL model file: joints of the clip's own shape
 };
 
+struct BvhOptions;
+// What of these options is a .bvh's, or any skeleton's.
+BvhOptions bvh_options(const ReadOptions& options);
+
 struct ReadReport {
   RetargetReport retarget;  // how a skeleton was matched; `scheme` is empty for SMPL's own poses
   std::vector<Remark> remarks;

@@ -336,7 +336,11 @@ Clip retarget_bvh(const Bvh& bvh, const std::string& file, const BvhOptions& opt
 
 Clip read_bvh_clip(const std::filesystem::path& path, const BvhOptions& options,
                    RetargetReport* report) {
-  return retarget_bvh(read_bvh(path), path.string(), options, report);
+  const Bvh bvh = read_bvh(path, {options.fill_gaps, options.fps});
+  Clip clip = retarget_bvh(bvh, path.string(), options, report);
+  if (report)
+    report->remarks.insert(report->remarks.begin(), bvh.remarks.begin(), bvh.remarks.end());
+  return clip;
 }
 
 }  // namespace mocaplm

@@ -22,6 +22,7 @@ struct BvhOptions {
       unit;  // metres per unit of the file; default: the map's, else from the figure's size
   UpAxis up = UpAxis::automatic;  // of the motion; the rest pose may have another
   bool keep_path = false;         // the root's own path, not scaled by the legs
+  bool fill_gaps = false;         // values that are nan for up to a second are interpolated
   std::string write_map;          // where the map that is found or guessed is written; "": nowhere
 };
 

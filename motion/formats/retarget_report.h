@@ -27,8 +27,8 @@ struct RetargetReport {
   std::vector<LimbError> limbs;  // upper and lower arms and legs that both figures have
   double mean_degrees = 0;       // over those limbs and all frames
   double max_degrees = 0;
+  std::vector<Remark> remarks;         // of the file's text and of the figure
   std::vector<std::string> unmatched;  // SMPL joints without a source: they follow or interpolate
-  std::vector<Remark> remarks;         // what was taken for granted
 };
 
 }  // namespace mocaplm

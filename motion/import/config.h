@@ -14,6 +14,10 @@ struct ImportConfig {
   double fps = 0;
   std::int64_t drop_first = 0;
   std::string map;
+  double unit = 0;
+  bool keep_path = false;
+  bool fill_gaps = false;
+  std::string body;
   bool align_floor = false;
   std::string label_from_dir;
   std::string label_regex;
@@ -33,6 +37,14 @@ struct ImportConfig {
              "frames per second, where the files' header is wrong; 0: as they say");
     v.integer("drop_first", drop_first, 0, 1000000, "leading frames to leave out");
     v.text("map", map, "JSON map of joint names for .bvh files of an unknown skeleton");
+    v.number("unit", unit, 0, 1e6,
+             "metres per unit of the files, where lengths have one; 0: as found from the figure");
+    v.boolean("keep_path", keep_path,
+              "keep the root's own path; otherwise it is scaled by the length of the legs");
+    v.boolean(
+        "fill_gaps", fill_gaps,
+        "interpolate values that are nan for up to a second; otherwise such a file is refused");
+    v.text("body", body, "SMPL model file: joints of the clips' own shapes");
     v.boolean("align_floor", align_floor, "move each clip so that its feet stand at height 0");
     v.text("label_from_dir", label_from_dir, "the folder of a file is its value of this label");
     v.text("label_regex", label_regex,

@@ -65,13 +65,31 @@ Table label_table(const Dataset& dataset) {
   return table;
 }
 
+std::vector<std::string> left_out_lines(const ImportReport& report) {
+  Troubles troubles;
+  for (const BrokenFile& file : report.broken)
+    troubles.add({file.file, {kind_of_error(file.reason, file.file), file.reason}});
+  return troubles.error_lines();
+}
+
+std::vector<std::string> remark_lines(const ImportReport& report) {
+  Troubles troubles;
+  for (const FileRemark& remark : report.remarks) troubles.add(remark);
+  return troubles.lines();
+}
+
 Json report_json(const ImportReport& report) {
   Json broken = Json::array();
   for (const BrokenFile& file : report.broken)
     broken.push_back(Json{{"file", file.file}, {"reason", file.reason}});
+  Json remarks = Json::array();
+  for (const FileRemark& file : report.remarks)
+    remarks.push_back(
+        Json{{"file", file.file}, {"kind", file.remark.kind}, {"text", file.remark.text}});
   Json json{{"imported", report.imported},
             {"ignored", report.ignored},
             {"broken", broken},
+            {"remarks", remarks},
             {"duplicates", report.duplicates},
             {"warnings", report.warnings},
             {"splits", split_table(report.dataset).json()},
@@ -80,6 +98,7 @@ Json report_json(const ImportReport& report) {
     json["limbs"] = report.limbs.table().json();
     json["limb_error_degrees"] = report.limbs.mean_degrees();
   }
+  if (!report.figures.empty()) json["figures"] = report.figures.table().json();
   return json;
 }
 

@@ -46,21 +46,13 @@ std::vector<fs::path> search(const fs::path& folder, std::size_t& ignored) {
   return found;
 }
 
-std::string clean(std::string name) {
-  for (char& c : name)
-    if (static_cast<unsigned char>(c) < 32 || c == 127 || c == '/') c = '_';
-  if (!name.empty() && name[0] == '.') name[0] = '_';
-  if (name.size() > kMaxName) name.resize(kMaxName);
-  return name.empty() ? "clip" : name;
-}
-
 // The stem with the names of `depth` folders before it.
 std::string name_with_folders(const fs::path& path, int depth) {
   std::string name = path.stem().string();
   fs::path folder = plain(fs::absolute(path)).parent_path();
   for (; depth > 0 && folder.has_filename(); --depth, folder = folder.parent_path())
     name = folder.filename().string() + "_" + name;
-  return clean(name);
+  return clip_name(name);
 }
 
 void give_names(std::vector<SourceFile>& files, std::set<std::string> taken) {
@@ -87,7 +79,7 @@ void give_names(std::vector<SourceFile>& files, std::set<std::string> taken) {
     unnamed = clashing;
   }
   for (const std::size_t i : unnamed) {
-    const std::string stem = clean(files[i].path.stem().string());
+    const std::string stem = clip_name(files[i].path.stem().string());
     int number = 2;
     do files[i].name = stem + "_" + std::to_string(number++);
     while (!taken.insert(files[i].name).second);
@@ -95,6 +87,14 @@ void give_names(std::vector<SourceFile>& files, std::set<std::string> taken) {
 }
 
 }  // namespace
+
+std::string clip_name(std::string name) {
+  for (char& c : name)
+    if (static_cast<unsigned char>(c) < 32 || c == 127 || c == '/') c = '_';
+  if (!name.empty() && name[0] == '.') name[0] = '_';
+  if (name.size() > kMaxName) name.resize(kMaxName);
+  return name.empty() ? "clip" : name;
+}
 
 std::string SourceFile::folder() const {
   return plain(fs::absolute(path)).parent_path().filename().string();

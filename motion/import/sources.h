@@ -31,6 +31,9 @@ struct Sources {
 // there, UsageError for a file that is given itself and has another extension.
 Sources find_sources(const std::vector<std::string>& given, const std::set<std::string>& taken);
 
+// Such a name with nothing in it that a file's name cannot have, and of its length.
+std::string clip_name(std::string name);
+
 // A list of file names as people write them: a name, with or without folders before it, with or
 // without the extension.
 class PathList {

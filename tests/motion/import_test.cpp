@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
 #include <map>
 
 #include "common/error.h"
@@ -284,6 +286,118 @@ TEST(ImportShared, AllSampleFormatsImport) {
   EXPECT_EQ(report.imported, 24u);
   EXPECT_TRUE(report.broken.empty());
   EXPECT_FALSE(report.duplicates.empty());  // the variants of salsa_01
+}
+
+// A reader whose files hold `parts` motions each, by the digit that ends their name.
+std::vector<ReadMotion> read_people(const fs::path& path, const ReadOptions&) {
+  const std::string stem = path.stem().string();
+  const int parts = stem.back() - '0';
+  Random random(std::hash<std::string>()(path.parent_path().filename().string() + stem));
+  std::vector<ReadMotion> motions;
+  for (int k = 0; k < parts; ++k) {
+    ReadMotion motion;
+    motion.clip = random_clip(random, 10 + k, 30);
+    motion.clip.name = parts > 1 ? stem + "_" + std::string(1, static_cast<char>('1' + k)) : stem;
+    motion.report.remarks.push_back({"made up", "is made up"});
+    motions.push_back(std::move(motion));
+  }
+  return motions;
+}
+
+TEST_F(ImportTest, AFileOfSeveralMotionsIsAGroupOfClips) {
+  for (const char* name :
+       {"one/dance3.npz", "one/duo2.npz", "two/solo1.npz", "two/dance3.npz", "two/dance3_1.npz"})
+    write(name, 1);
+  write_file(in_ / "t.csv", "file,style\none/dance3.npz,salsa\n");
+  write_file(in_ / "held.txt", "one/duo2.npz\n");
+  ImportConfig config;
+  config.label_csv = (in_ / "t.csv").string();
+  config.split_list = {"test=" + (in_ / "held.txt").string()};
+  std::string first;
+  for (const std::int64_t threads : {1, 2, 4}) {
+    ImportJob job = this->job();
+    job.threads = threads;
+    job.read = read_people;
+    job.existing = threads == 1 ? Existing::refuse : Existing::replace;
+    const ImportReport report = import_motion(config, job);
+    EXPECT_EQ(report.imported, 10u);
+    EXPECT_EQ(std::count_if(report.remarks.begin(), report.remarks.end(),
+                            [](const FileRemark& r) { return r.remark.kind == "made up"; }),
+              10);
+    const auto all = entries();
+    ASSERT_EQ(all.size(), 10u);
+    for (const char* part : {"1", "2", "3"}) {
+      const DatasetEntry& entry = all.at(std::string("one_dance3_") + part);
+      EXPECT_EQ(entry.group, "one_dance3");
+      EXPECT_EQ(entry.labels, (Labels{{"style", "salsa"}}));
+      EXPECT_EQ(entry.file, "clips/" + entry.name + ".npz");
+      EXPECT_EQ(entry.frames, 10 + part[0] - '1');
+    }
+    EXPECT_EQ(all.at("one_duo2_1").split, "test");
+    EXPECT_EQ(all.at("one_duo2_2").split, "test");
+    EXPECT_EQ(all.at("two_solo1").group, "two_solo1");
+    // A name that another file has is not taken twice.
+    EXPECT_EQ(all.at("two_dance3_1").group, "two_dance3_1");
+    EXPECT_EQ(all.at("two_dance3_1_2").group, "two_dance3");
+    const Dataset dataset = load_dataset(out());
+    for (const DatasetEntry& entry : dataset.entries)
+      EXPECT_EQ(load_clip(dataset, entry).frames(), entry.frames);
+    EXPECT_TRUE(holds_only_a_dataset(out()));
+    const std::string json = report_json(report).dump() + read_file(out() / "dataset.json");
+    if (first.empty()) first = json;
+    EXPECT_EQ(json, first) << threads << " threads";
+  }
+}
+
+TEST_F(ImportTest, TheSameTroubleIsOneLine) {
+  for (int i = 0; i < 40; ++i)
+    write_file(in_ / ("bad" + std::to_string(i) + ".npz"),
+               "version https://git-lfs.github.com/spec/v1\n");
+  write_file(in_ / "empty.npz", "");
+  write("good1.npz", 1);
+  write("good1b.npz", 2);
+  ImportJob job = this->job();
+  job.read = [](const fs::path& path, const ReadOptions& options) {
+    std::vector<ReadMotion> motions = read_clips(path, options);
+    motions[0].report.remarks.push_back({"guessed", "is guessed of " + path.stem().string()});
+    return motions;
+  };
+  const ImportReport report = import_motion({}, job);
+  EXPECT_EQ(report.broken.size(), 41u);
+  const auto left_out = left_out_lines(report);
+  ASSERT_EQ(left_out.size(), 2u);
+  EXPECT_EQ(
+      left_out[0].find("40 files for the same reason; for example " + report.broken[0].reason), 0u);
+  EXPECT_NE(left_out[1].find("empty.npz: is empty"), std::string::npos);
+  EXPECT_EQ(report_json(report)["broken"].size(), 41u);
+  EXPECT_EQ(remark_lines(report)[0].find("2 files: guessed; for example "), 0u);
+  EXPECT_EQ(report_json(report)["remarks"].size(), report.remarks.size());
+}
+
+TEST_F(ImportTest, ReadersAreToldWhatTheCommandWas) {
+  write("a.npz", 1);
+  ImportConfig config;
+  config.up = "z";
+  config.unit = 0.0254;
+  config.keep_path = config.fill_gaps = true;
+  config.body = "smpl.npz";
+  config.fps = 50;
+  config.drop_first = 3;
+  ImportJob job = this->job();
+  job.read = [](const fs::path& path, const ReadOptions& options) {
+    EXPECT_EQ(options.up, up_axis_of("z"));
+    EXPECT_EQ(options.unit, 0.0254);
+    EXPECT_TRUE(options.keep_path && options.fill_gaps);
+    EXPECT_EQ(options.body, "smpl.npz");
+    EXPECT_EQ(options.fps, 50);
+    EXPECT_EQ(options.drop_first, 3);
+    return read_clips(path);
+  };
+  import_motion(config, job);
+  const Json stored = load_dataset(out()).import;
+  EXPECT_EQ(stored.at("unit"), 0.0254);
+  EXPECT_EQ(stored.at("fill_gaps"), true);
+  EXPECT_EQ(stored.at("body"), "smpl.npz");
 }
 
 }  // namespace

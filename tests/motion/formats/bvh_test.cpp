@@ -210,17 +210,12 @@ TEST(Bvh, ErrorsNameThePlace) {
       {"Zrotation Xrotation Yrotation\n  J", "Zrotation Xrotation Zrotation\n  J",
        "has the channel Zrotation twice"},
       {"Yposition", "Wposition", "found \"Wposition\" where one of Xposition"},
-      {"JOINT Fixed", "JOINT Hips", "a second joint is named \"Hips\""},
       {"JOINT Fixed", "JOINT ", "the joint's name"},
       {"End Site", "End Sight", "where Site is expected"},
       {"MOTION", "}\nMOTION", "where MOTION is expected"},
-      {"Frames: 2", "Frames: 0", "has no frames"},
       {"Frames: 2", "Frames: -3", "the number of frames"},
       {"Frames: 2", "Frames: 2.5", "the number of frames"},
-      {"Frames: 2", "Frames: 999999", "announces 999999 frames of 9 values"},
       {"Frames: 2", "Frames: 99999999999999999999999", "line 18"},
-      {"Frames: 2", "Frames: 1", "goes on after the 1 frames"},
-      {"Frames: 2", "Frames: 3", "announces 3"},
       {"0.0333333", "0", "frame time \"0\""},
       {"0.0333333", "-1", "frame time"},
       {"0.0333333", "inf", "the frame time in seconds"},
@@ -229,7 +224,6 @@ TEST(Bvh, ErrorsNameThePlace) {
       {"40 50 60", "40 1e300 60", "line 20, frame 0, joint Left Arm, Xrotation"},
       {"40 50 60", "40 50", "line 20, frame 0: the line ends after 8 of 9 values"},
       {"40 50 60", "40 50 60 70", "frame 0: has more than the 9 values"},
-      {" 1e-400\n", "\n", "line 21, frame 1: the line ends after 8 of 9 values"},
   };
   for (const Case& c : cases)
     EXPECT_NE(error_of(with(kSmall, c.from, c.to)).find(c.message), std::string::npos)
@@ -248,11 +242,24 @@ TEST(Bvh, DepthAndJointBombsAreRefused) {
             std::string::npos);
 }
 
-TEST(Bvh, TruncatedAtEveryByteIsRefusedOrWhole) {
+TEST(Bvh, TruncatedAtEveryByteIsRefusedWholeOrSaid) {
   const std::string text = kSmall;
+  const Bvh whole = parse_bvh(text, "walk.bvh");
   // Cut inside the last number what is left is a number, so those few bytes cannot be told.
-  const std::size_t last_number = text.rfind(' ') + 1;
-  for (std::size_t n = 0; n < last_number; ++n) EXPECT_NE(error_of(text.substr(0, n)), "") << n;
+  const std::size_t first_frame_ends = text.find("60\n") + 2, last_number = text.rfind(' ') + 1;
+  for (std::size_t n = 0; n < last_number; ++n) {
+    // Within the last number of the first frame it cannot be told either.
+    if (n < first_frame_ends - 1) {
+      EXPECT_NE(error_of(text.substr(0, n)), "") << n;
+      continue;
+    }
+    const Bvh cut = parse_bvh(text.substr(0, n), "walk.bvh");
+    ASSERT_EQ(cut.frames(), 1) << n;
+    if (n >= first_frame_ends) EXPECT_EQ(cut.values, whole.values.topRows(1)) << n;
+    ASSERT_FALSE(cut.remarks.empty()) << n;
+    EXPECT_EQ(cut.remarks.back().kind, "frames announced") << n;
+    EXPECT_EQ(cut.remarks.size(), n <= first_frame_ends + 1 ? 1u : 2u) << n;
+  }
 }
 
 TEST(Bvh, RandomDamageNeverCrashes) {
