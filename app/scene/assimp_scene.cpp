@@ -21,6 +21,9 @@ namespace mocaplm {
 namespace {
 
 constexpr std::size_t kMaxNodes = 200000;
+// In the names of the nodes that assimp makes of an FBX node's turns and pivots. (With them folded
+// into one node, PRESERVE_PIVOTS off, assimp 5.2 gets animated bones with PreRotation wrong.)
+constexpr const char* kHelper = "_$AssimpFbx$_";
 
 Eigen::Matrix4d matrix_of(const aiMatrix4x4& m) {
   Eigen::Matrix4d matrix;
@@ -81,10 +84,11 @@ class Reader {
         node.name = given + "." + std::to_string(n);
       }
       node.parent = parent;
-      node.kind = cameras.count(given) > 0  ? SceneNodeKind::camera
-                  : lights.count(given) > 0 ? SceneNodeKind::light
-                  : from->mNumMeshes > 0    ? SceneNodeKind::mesh
-                                            : SceneNodeKind::plain;
+      node.kind = given.find(kHelper) != given.npos ? SceneNodeKind::helper
+                  : cameras.count(given) > 0        ? SceneNodeKind::camera
+                  : lights.count(given) > 0         ? SceneNodeKind::light
+                  : from->mNumMeshes > 0            ? SceneNodeKind::mesh
+                                                    : SceneNodeKind::plain;
       node.local = matrix_of(from->mTransformation);
       out.nodes.push_back(node);
       for (unsigned m = 0; m < from->mNumMeshes; ++m) mesh_nodes_.emplace(from->mMeshes[m], index);
@@ -221,7 +225,7 @@ std::string name_of(const std::string& bytes, const std::string& file) {
 
 void set_up(Assimp::Importer& importer) {
   const auto set = [&](const char* key, bool value) { importer.SetPropertyBool(key, value); };
-  set(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+  set(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
   set(AI_CONFIG_IMPORT_FBX_OPTIMIZE_EMPTY_ANIMATION_CURVES, false);
   set(AI_CONFIG_IMPORT_FBX_READ_ALL_GEOMETRY_LAYERS, false);
   set(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);

@@ -136,7 +136,7 @@ class Parser {
       if (i == 0 ? node.parent != -1 : node.parent < 0 || node.parent >= static_cast<int>(i))
         fail("a node before its parent");
       const auto kind = number<std::uint8_t>();
-      if (kind > static_cast<int>(SceneNodeKind::light)) fail("an unknown kind of node");
+      if (kind > static_cast<int>(SceneNodeKind::helper)) fail("an unknown kind of node");
       node.kind = static_cast<SceneNodeKind>(kind);
       matrix(node.local);
     }

@@ -26,7 +26,9 @@
 
 namespace mocaplm {
 
-enum class SceneNodeKind { plain, mesh, camera, light };
+// helper: one step on the way to the node of its own that hangs on it alone (an FBX bone has turns
+// before and after the one that moves it); no joint, but its motion is that node's.
+enum class SceneNodeKind { plain, mesh, camera, light, helper };
 
 struct SceneNode {
   std::string name;  // unique

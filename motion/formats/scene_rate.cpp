@@ -9,7 +9,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kMost = 240, kLeast = 24;
+constexpr double kMost = 240, kLeast = 23.9;
 constexpr double kUsual[] = {24, 25, 30, 48, 50, 60, 72, 75, 90, 100, 120, 144, 150, 180, 200, 240};
 constexpr double kTelevision[] = {24 / 1.001, 30 / 1.001, 60 / 1.001, 120 / 1.001, 240 / 1.001};
 constexpr double kTolerances[] = {1e-4, 6e-4};  // seconds
@@ -31,11 +31,16 @@ double equal_steps(const std::vector<double>& times) {
     if (std::abs((times[i] - times.front()) * fps - static_cast<double>(i)) >
         std::min(0.1, kTolerances[1] * fps))
       return 0;
-  // A whole number, or a television's, where the last key says no other: a twentieth of a frame.
-  for (const double round :
-       {std::round(fps), std::round(fps * 1.001) / 1.001, std::round(fps * 1000) / 1000})
-    if (round > 0 && std::abs(steps / round - (times.back() - times.front())) * round < 0.05)
-      return round;
+  // A whole number or a television's, whichever puts the last key nearer to where it is, within a
+  // twentieth of a frame; else thousandths.
+  const auto error = [&](double rate) {
+    return std::abs(steps / rate - (times.back() - times.front())) * rate;
+  };
+  const double whole = std::round(fps), television = std::round(fps * 1.001) / 1.001;
+  const double nearer = whole > 0 && error(whole) <= error(television) ? whole : television;
+  const double fine = std::round(fps * 1000) / 1000;
+  for (const double rate : {nearer, fine})
+    if (rate > 0 && error(rate) < 0.05) return rate;
   return fps;
 }
 

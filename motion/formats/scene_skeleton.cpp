@@ -116,10 +116,10 @@ class Finder {
     std::vector<int> joint(inside.size(), -1), depth(inside.size(), 0);
     for (std::size_t i = 0; i < inside.size(); ++i) {
       if (inside[i]) skeleton_.chain.push_back(static_cast<int>(i));
-      if (!inside[i] || i < top) continue;
+      if (!inside[i] || i < top || helper(i)) continue;
       if (skeleton_.joints.size() == kMaxJoints)
         throw DataError(in_file(file_), "more than " + std::to_string(kMaxJoints) + " joints");
-      const int parent = scene_.nodes[i].parent;
+      const int parent = node_above(i);
       SceneJoint made;
       made.node = static_cast<int>(i);
       made.parent = i == top ? -1 : joint[at(parent)];
@@ -136,13 +136,28 @@ class Finder {
   }
 
  private:
+  bool helper(std::size_t node) const { return scene_.nodes[node].kind == SceneNodeKind::helper; }
+  // The node that a helper leads to: those of one chain follow each other.
+  std::size_t owner(std::size_t node) const {
+    while (helper(node) && node + 1 < scene_.nodes.size() &&
+           scene_.nodes[node + 1].parent == static_cast<int>(node))
+      ++node;
+    return node;
+  }
+  // The nearest node above that is no helper; -1 for none.
+  int node_above(std::size_t node) const {
+    int above = scene_.nodes[node].parent;
+    while (above >= 0 && helper(at(above))) above = scene_.nodes[at(above)].parent;
+    return above;
+  }
+
   void choose() {
     for (const SceneSkin& skin : scene_.skins)
       for (const SceneBone& bone : skin.bones) chosen_[at(bone.node)] = true;
     std::vector<bool> bones = chosen_;
     for (const SceneTake& take : scene_.takes)
       for (const SceneTrack& track : take.tracks) {
-        const std::size_t node = at(track.node);
+        const std::size_t node = owner(at(track.node));
         const SceneNodeKind kind = scene_.nodes[node].kind;
         const bool moves = track.positions.times.size() > 1 || track.rotations.times.size() > 1 ||
                            track.scales.times.size() > 1;
@@ -162,7 +177,7 @@ class Finder {
         last[at(scene_.nodes[i].parent)] = i;
       }
     std::size_t top = 0;
-    while (children[top] == 1 && !moved_[top] && !bones_[top]) top = last[top];
+    while (children[top] == 1 && (helper(top) || (!moved_[top] && !bones_[top]))) top = last[top];
     return top;
   }
 
@@ -206,11 +221,11 @@ class Finder {
       if (child.parent >= 0) last[at(child.parent)] = false;
     for (std::size_t i = 1; i < inside.size(); ++i) {
       const SceneNode& node = scene_.nodes[i];
-      const int parent = joint[at(node.parent)];
+      const int above = node_above(i), parent = above < 0 ? -1 : joint[at(above)];
       if (inside[i] || parent < 0 || !last[at(parent)] || node.kind != SceneNodeKind::plain)
         continue;
       const Eigen::Vector3d bone =
-          (skeleton_.rest[i] - skeleton_.rest[at(node.parent)]).topRightCorner<3, 1>();
+          (skeleton_.rest[i] - skeleton_.rest[at(above)]).topRightCorner<3, 1>();
       if (bone.norm() > 0) skeleton_.joints[at(parent)].end_sites.push_back(bone);
     }
   }
