@@ -21,8 +21,8 @@ namespace mocaplm {
 namespace {
 
 constexpr std::size_t kMaxNodes = 200000;
-// In the names of the nodes that assimp makes of an FBX node's turns and pivots. (With them folded
-// into one node, PRESERVE_PIVOTS off, assimp 5.2 gets animated bones with PreRotation wrong.)
+// In the names of the nodes that assimp makes of an FBX node's turns and pivots, when it is not
+// told to fold them into one.
 constexpr const char* kHelper = "_$AssimpFbx$_";
 
 Eigen::Matrix4d matrix_of(const aiMatrix4x4& m) {
@@ -30,6 +30,44 @@ Eigen::Matrix4d matrix_of(const aiMatrix4x4& m) {
   for (unsigned row = 0; row < 4; ++row)
     for (unsigned column = 0; column < 4; ++column) matrix(row, column) = m[row][column];
   return matrix;
+}
+
+// FBX bones may have a turn after the animated one, whose inverse counts. assimp 5.2 forgets the
+// inverse when it folds an FBX node into one. By node, what makes up for that:
+struct PostRotation {
+  Eigen::Matrix4d local;    // of the node where nothing moves it
+  Eigen::Quaternionf turn;  // after the rotations of its track
+};
+
+std::unordered_map<std::string, PostRotation> post_rotations(const aiScene& unfolded) {
+  const auto is = [](const aiNode* node, const std::string& part) {
+    return std::string(node->mName.C_Str()).find(part) != std::string::npos;
+  };
+  struct Step {
+    const aiNode* node;
+    Eigen::Matrix4d before;  // the helpers above it that lead to the same node
+    Eigen::Matrix3d post;
+  };
+  std::unordered_map<std::string, PostRotation> found;
+  std::vector<Step> next = {
+      {unfolded.mRootNode, Eigen::Matrix4d::Identity(), Eigen::Matrix3d::Identity()}};
+  while (!next.empty()) {
+    Step step = next.back();
+    next.pop_back();
+    const Eigen::Matrix4d own = matrix_of(step.node->mTransformation);
+    step.before = step.before * own;
+    if (is(step.node, std::string(kHelper) + "PostRotation")) step.post = own.topLeftCorner<3, 3>();
+    if (!is(step.node, kHelper)) {
+      if (!step.post.isIdentity(1e-6))
+        found[step.node->mName.C_Str()] = {
+            step.before, Eigen::Quaternionf((step.post * step.post).cast<float>())};
+      step.before.setIdentity();
+      step.post.setIdentity();
+    }
+    for (unsigned c = 0; c < step.node->mNumChildren; ++c)
+      next.push_back({step.node->mChildren[c], step.before, step.post});
+  }
+  return found;
 }
 
 Eigen::Vector3f value_of(const aiVector3D& v) {
@@ -225,13 +263,30 @@ std::string name_of(const std::string& bytes, const std::string& file) {
 
 void set_up(Assimp::Importer& importer) {
   const auto set = [&](const char* key, bool value) { importer.SetPropertyBool(key, value); };
-  set(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
+  set(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   set(AI_CONFIG_IMPORT_FBX_OPTIMIZE_EMPTY_ANIMATION_CURVES, false);
   set(AI_CONFIG_IMPORT_FBX_READ_ALL_GEOMETRY_LAYERS, false);
   set(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);
   set(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
   set(AI_CONFIG_IMPORT_FBX_STRICT_MODE, false);
   set(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+}
+
+}  // namespace
+
+namespace {
+
+void correct(Scene& scene, const std::unordered_map<std::string, PostRotation>& by) {
+  if (by.empty()) return;
+  const auto of = [&](std::size_t node) { return by.find(scene.nodes[node].name); };
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+    if (of(i) != by.end()) scene.nodes[i].local = of(i)->second.local;
+  for (SceneTake& take : scene.takes)
+    for (SceneTrack& track : take.tracks) {
+      const auto found = of(static_cast<std::size_t>(track.node));
+      if (found == by.end()) continue;
+      for (Eigen::Quaternionf& turn : track.rotations.values) turn = turn * found->second.turn;
+    }
 }
 
 }  // namespace
@@ -260,6 +315,11 @@ Scene read_with_assimp(const fs::path& path) {
               : "needs the file \"" + files->missing() + "\", which is not in its folder");
     if (name == "scene.fbx") fbx_settings(*scene, out);
     Reader(*scene, file).read(out);
+    if (name != "scene.fbx" || bytes.find("PostRotation") == bytes.npos || out.takes.empty())
+      return;
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
+    if (const aiScene* unfolded = importer.ReadFile(name, 0))
+      correct(out, post_rotations(*unfolded));
   };
   const Scene before = out;
   try {

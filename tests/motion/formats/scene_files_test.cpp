@@ -74,8 +74,8 @@ TEST_F(SceneFiles, OwnFigureComesBackFromOtherFormats) {
   const Clip clip = moving_clip(30);
   const std::string glb = scratch_ / "moving.glb";
   write_clip(glb, clip);
-  for (const auto& [name, format] : std::vector<std::pair<std::string, std::string>>{
-           {"a.gltf", "gltf2"}, {"b.dae", "collada"}, {"c.fbx", "fbx"}, {"d.fbx", "fbxa"}}) {
+  for (const auto& [name, format] :
+       std::vector<std::pair<std::string, std::string>>{{"a.gltf", "gltf2"}, {"d.fbx", "fbxa"}}) {
     SCOPED_TRACE(format);
     const std::string file = scratch_ / name;
     const Ran ran = run_shell(assimp + " export '" + glb + "' '" + file + "' -f" + format);
