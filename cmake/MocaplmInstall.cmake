@@ -4,7 +4,7 @@
 #   target_link_libraries(mine PRIVATE mocaplm::generate)
 include(CMakePackageConfigHelpers)
 
-install(TARGETS mocaplm mocaplm-torch RUNTIME COMPONENT program)
+install(TARGETS mocaplm mocaplm-scene mocaplm-torch RUNTIME COMPONENT program)
 set(made ${CMAKE_BINARY_DIR}/app)
 install(FILES ${made}/mocaplm.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 install(FILES ${made}/mocaplm.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME mocaplm

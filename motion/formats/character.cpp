@@ -14,7 +14,8 @@
 #include "motion/formats/gltf_scene.h"
 #include "motion/formats/out_scheme.h"
 #include "motion/formats/retarget_map.h"
-#include "motion/formats/retarget_stance.h"
+#include "motion/formats/rest_pose.h"
+#include "motion/formats/source_figure.h"
 #include "motion/formats/skeletons.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
@@ -180,13 +181,18 @@ void Character::Parts::recognise() {
   } else {
     map = detect_map(bvh, scene.file);
   }
-  source_joints(bvh, map, scene.file);  // refuses where a bone is missing
-  map.t_pose = TPose::zero;
-  if (!zero_pose_stands(bvh, map))
+  const SourceFigure figure(bvh, map, scene.file);  // refuses where a bone is missing
+  for (const int end : {7, 8, 20, 21})
+    if (!figure.has(end))
+      throw DataError(in_file(scene.file),
+                      "has no bone for " + joint_names()[static_cast<std::size_t>(end)]);
+  map.axes.clear();
+  const RestPose standing = find_rest_pose(bvh, map, figure, scene.file);
+  if (!standing.zero)
     throw DataError(in_file(scene.file),
                     "does not stand in a T- or A-pose when nothing moves it: save it in its rest "
                     "pose");
-  turn = world_turn(bvh, map, UpAxis::automatic, scene.file);
+  turn = standing.front;
   nodes.fill(-1);
   smpl.assign(scene.nodes.size(), -1);
   for (std::size_t j = 0; j < 22; ++j) {  // hands' joints are fingers there
