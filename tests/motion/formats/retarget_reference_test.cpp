@@ -97,10 +97,12 @@ TEST_F(RetargetReference, Agrees) {
   std::vector<double> untwisted;
   for (const Sample& sample : samples_) {
     const Bvh bvh = read_bvh(directory_ / sample.source);
-    const Clip clip = retarget_bvh(bvh, sample.source);
+    BvhOptions options;
+    options.keep_path = true;  // the reference does not scale it
+    const Clip clip = retarget_bvh(bvh, sample.source, options);
     RetargetMap plain = detect_map(bvh, sample.source);
     plain.align = false;
-    const Clip raw = retarget_bvh(bvh, plain, sample.source, {}, nullptr);
+    const Clip raw = retarget_bvh(bvh, plain, sample.source, options, nullptr);
     const auto ours = joint_world_rotations(clip, sample.frame),
                theirs = joint_world_rotations(sample.reference, 0);
     const auto base = joint_world_rotations(raw, sample.frame);
