@@ -72,7 +72,7 @@ std::vector<Table> describe_glb(const fs::path& file) {
       table.row({"animation " + animation.value("name", "without a name"),
                  format_fixed(seconds_of(gltf, animation), 2) + " s"});
     add_size(table, file);
-    table.note("For Blender and 3D viewers; mocaplm writes it and does not read it back.");
+    table.note("For Blender and 3D viewers; mocaplm writes it and reads it back.");
     return {table};
   } catch (const Json::exception& error) {
     throw DataError(in_file(file.string()), std::string("is no sound glTF: ") + error.what());

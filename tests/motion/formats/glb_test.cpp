@@ -139,10 +139,9 @@ TEST(Glb, RefusesAnUnsoundClip) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "x.glb"));
 }
 
-TEST(Glb, IsWrittenButNotRead) {
+TEST(Glb, IsToldByItsFirstBytes) {
   const Scratch scratch;
   write_clip(scratch / "x.GLB", difficult_clip(2, 30));
-  EXPECT_TRUE(contains(refusal([&] { read_clip(scratch / "x.GLB"); }), "not read"));
   const std::string bytes = read_file(scratch / "x.GLB");
   EXPECT_TRUE(contains(refusal([&] { read_clip(scratch.put("y.bvh", bytes)); }), "glTF"));
   EXPECT_TRUE(contains(
