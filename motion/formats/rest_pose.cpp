@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -211,6 +212,44 @@ class Finder {
     return svd.matrixU() * flip * svd.matrixV().transpose();
   }
 
+  // How a limb's upper joint is turned about its own bone cannot be seen from bones that lie
+  // straight, but from the way in which its elbow or knee bends: the mean of upper bone x lower
+  // bone over some frames, in the joint's own axes. Zero where it hardly bends.
+  Eigen::Vector3d hinge(int upper) const {
+    const int middle = upper < 16 ? upper + 3 : upper + 2, end = upper < 16 ? upper + 6 : upper + 4;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double all = 0;
+    BvhPose pose;
+    const Eigen::Index step = std::max<Eigen::Index>(1, bvh_.frames() / 64);
+    for (Eigen::Index t = 0; t < bvh_.frames(); t += step) {
+      pose_bvh(bvh_, t, pose);
+      const Eigen::Vector3d bone =
+          (figure_.at(pose, middle) - figure_.at(pose, upper)).normalized();
+      const Eigen::Vector3d next = (figure_.at(pose, end) - figure_.at(pose, middle)).normalized();
+      const Eigen::Vector3d axis = bone.cross(next);
+      if (!(axis.norm() > 0.25)) continue;  // some 15 degrees
+      sum += pose.rotations[index(figure_.source(upper))].transpose() * axis;
+      all += axis.norm();
+    }
+    return all > 0 && sum.norm() > 0.7 * all ? sum.normalized() : Eigen::Vector3d::Zero().eval();
+  }
+
+  // About its bone, so that the limb bends as people's do: knees backwards, elbows forwards.
+  Eigen::Matrix3d twisted(const Eigen::Matrix3d& world, int upper,
+                          const Eigen::Vector3d& bone) const {
+    const Eigen::Vector3d axis = world * hinge(upper);
+    const Eigen::Vector3d wanted =
+        upper < 16 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d(0, upper == 16 ? -1 : 1, 0);
+    const Eigen::Vector3d along = bone.normalized();
+    const Eigen::Vector3d from = axis - axis.dot(along) * along;
+    const Eigen::Vector3d to = wanted - wanted.dot(along) * along;
+    if (from.norm() < 0.5 || to.norm() < 0.5) return world;
+    const double angle = std::atan2(from.cross(to).dot(along), from.dot(to));
+    // Less is how people differ, and what shortest turns have right.
+    if (std::abs(angle) < 0.8) return world;
+    return Eigen::AngleAxisd(angle, along).toRotationMatrix() * world;
+  }
+
   RestPose straighten() const {
     const BvhPose zero = rest_bvh(bvh_);
     RestPose rest;
@@ -244,6 +283,8 @@ class Finder {
       if (bone.norm() < 1e-9) continue;
       rest.pose.rotations[i] =
           shortest_rotation(above * bone, smpl_bone(smpl, next)).toRotationMatrix() * above;
+      if (smpl == 1 || smpl == 2 || smpl == 16 || smpl == 17)
+        rest.pose.rotations[i] = twisted(rest.pose.rotations[i], smpl, smpl_bone(smpl, next));
     }
     place(bvh_, given, rest.pose);
     return rest;

@@ -28,7 +28,8 @@ struct RestPose {
 
 // What the map says, else the first of these in which the figure stands (standing.h): the zero
 // pose; the map's known axes; frame 0; the zero pose with each bone turned, from the pelvis
-// outwards, by the smallest rotation that brings it where SMPL's rest pose has it. Throws DataError
+// outwards, by the smallest rotation that brings it where SMPL's rest pose has it, and thighs and
+// upper arms about themselves as knees and elbows bend. Throws DataError
 // where the map's pose does not stand, or none does.
 RestPose find_rest_pose(const Bvh& bvh, const RetargetMap& map, const SourceFigure& figure,
                         const std::string& file);

@@ -84,7 +84,7 @@ class Retargeter {
     pose_bvh(bvh_, Eigen::Index{0}, pose_);
     size_ = find_size(figure_.leg(pose_), figure_.height(pose_), map, options, file);
     remarks_.insert(remarks_.end(), size_.remarks.begin(), size_.remarks.end());
-    if (rest_.source != "the zero pose")
+    if (!rest_.zero && rest_.source != "the known axes of its joints")
       remarks_.push_back({"rest pose", "rotations are counted from " + rest_.source +
                                            ", where the figure stands; in the zero pose it does "
                                            "not"});

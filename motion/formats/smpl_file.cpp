@@ -6,6 +6,7 @@
 #include "common/text.h"
 #include "motion/body_model.h"
 #include "motion/formats/phalp.h"
+#include "motion/formats/positions.h"
 #include "motion/formats/smpl_record.h"
 #include "motion/skeleton.h"
 #include "motion/turn.h"
@@ -91,6 +92,8 @@ std::string stem_of(const fs::path& path) {
 
 void choose(std::vector<Person>& people, const std::string& part, const std::string& file) {
   if (part.empty()) return;
+  if (people.size() == 1 && people.front().key.empty())
+    throw DataError(in_file(file), "holds one motion: name it without #" + part);
   std::vector<std::string> names;
   for (const Person& person : people) names.push_back(person.key);
   const auto found = std::find(names.begin(), names.end(), part);
@@ -159,6 +162,10 @@ std::vector<ReadMotion> read_smpl_file(const fs::path& path, const ReadOptions& 
     people.push_back({tracked.name, std::move(tracked.record)});
   std::size_t looks = 0;
   if (people.empty()) find_people(dict, "", 0, looks, people);
+  const std::string positions = people.empty() ? positions_key(dict) : "";
+  if (!positions.empty())
+    return {read_position_array(dict.array(positions), stem_of(path), path.string(), positions,
+                                frame_rate(dict), options)};
   if (people.empty()) refuse(dict);
   choose(people, options.part, path.string());
   std::vector<ReadMotion> motions;

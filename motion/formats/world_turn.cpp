@@ -104,7 +104,7 @@ Eigen::Vector3d root_offset_to_add(const Bvh& bvh, const SourceFigure& figure,
                    lowest.end());
   const double usual = lowest[lowest.size() / 2];
   // Ankles are a tenth of a leg above the floor.
-  const bool sunk = usual < -0.5 * leg, mended = std::abs(usual + offset - 0.1 * leg) < 0.25 * leg;
+  const bool sunk = usual<-0.5 * leg, mended = usual + offset> - 0.15 * leg;
   return sunk && mended && offset > 0.7 * leg ? Eigen::Vector3d(0, offset, 0)
                                               : Eigen::Vector3d::Zero();
 }

@@ -38,7 +38,7 @@ Table LimbErrors::table() const {
   std::vector<std::string> schemes;
   for (const auto& [scheme, clips] : schemes_)
     schemes.push_back(scheme + " (" + std::to_string(clips) + ")");
-  table.note("Mean over all limbs and frames: " + format_number(mean_degrees()) +
+  table.note("Mean over all limbs and frames: " + format_fixed(mean_degrees(), 3) +
              ". Skeletons: " + join(schemes, ", ") + ".");
   return table;
 }

@@ -27,7 +27,7 @@ TEST_F(DataCommands, UsageErrorsExitWithTwo) {
   expect_run("import x --out y --fps abc", 2, "fps");
   expect_run("import x --out y --fps nan", 2, "fps");
   expect_run("import x --out y --fps -1", 2, "fps");
-  expect_run("import x --out y --up x", 2, "up");
+  expect_run("import x --out y --up w", 2, "up");
   expect_run("import x --out y --nonsense", 2, "nonsense");
   expect_run("import x --out y --append --overwrite", 2, "excludes");
   expect_run("import x --out y --split 1,1,1", 2, "--split");

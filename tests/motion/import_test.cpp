@@ -238,9 +238,9 @@ TEST_F(ImportTest, AlignFloorPutsTheFeetAtZero) {
 
 TEST_F(ImportTest, MistakesOnTheCommandLine) {
   write("a.npz", 1);
-  write_file(in_ / "a.fbx", "x");
+  write_file(in_ / "a.c3d", "x");
   ImportJob given = job();
-  given.sources = {(in_ / "a.fbx").string()};
+  given.sources = {(in_ / "a.c3d").string()};
   EXPECT_THROW(import_motion({}, given), UsageError);
   given.sources = {(in_ / "none.npz").string()};
   EXPECT_THROW(import_motion({}, given), DataError);

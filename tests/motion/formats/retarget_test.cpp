@@ -349,6 +349,39 @@ TEST(Retarget, AxesAskewAreFoundFromTheBones) {
   expect_same_motion(clip, rig, m.clip, m.roots, true);
 }
 
+// Bones along their joints' own x, legs turned half about in the zero pose: how thighs and upper
+// arms are turned about themselves shows in the way that knees and elbows bend.
+TEST(Retarget, KneesAndElbowsTellHowLimbsAreTurned) {
+  Random random(33);
+  Rig rig = lafan(body(nullptr));
+  for (RigJoint& joint : rig.joints) {
+    std::string& name = joint.name;
+    if (name == "LeftUpLeg" || name == "RightUpLeg") name.insert(name.size() - 3, "per");
+  }
+  for (RigJoint& joint : rig.joints)
+    if (joint.parent == "LeftUpLeg" || joint.parent == "RightUpLeg")
+      joint.parent.insert(joint.parent.size() - 3, "per");
+  Motion m = motion(random, 40);
+  m.clip.poses *= 0.2;
+  for (Eigen::Index t = 0; t < 40; ++t) {
+    for (const int knee : {4, 5})
+      m.clip.poses.row(t).segment<3>(3 * knee) << random.uniform(0.4, 1.6), 0, 0;
+    m.clip.poses.row(t).segment<3>(3 * 18) << 0, -random.uniform(0.4, 1.6), 0;
+    m.clip.poses.row(t).segment<3>(3 * 19) << 0, random.uniform(0.4, 1.6), 0;
+  }
+  RetargetReport report;
+  const Clip clip =
+      retarget_bvh(parse_bvh(rig.bvh(m.clip, m.roots), "rig"), "walk.bvh", {}, &report);
+  EXPECT_EQ(report.scheme, "recognised");
+  EXPECT_EQ(report.rest_pose, "the directions of its bones");
+  for (Eigen::Index t = 0; t < 40; ++t) {
+    const auto turned = joint_world_rotations(m.clip, t), ours = joint_world_rotations(clip, t);
+    for (const std::size_t j : {1, 2, 4, 5, 7, 8, 16, 17, 18, 19})
+      EXPECT_LT(geodesic_angle(Eigen::Quaterniond(turned[j]), Eigen::Quaterniond(ours[j])), 0.5)
+          << joint_names()[j] << " frame " << t;
+  }
+}
+
 TEST(Retarget, DamagedFilesAreRefusedOrSound) {
   Random random(30);
   const Motion m = motion(random, 2);
