@@ -46,8 +46,9 @@ std::string what_it_is(const std::string& head, const std::string& extension) {
     return "is a server's error message, saved in place of the file: download it again";
   if (begins_with(head, "PK\3\4")) {
     const std::string entry = first_entry(head);
-    // NumPy's archives hold arrays; all others were packed by somebody.
-    if (!ends_with(lower(entry), ".npy") && extension != ".npz")
+    // NumPy's and PyTorch's archives are meant to be such; all others were packed by somebody.
+    const bool meant = extension == ".npz" || extension == ".pt" || extension == ".pth";
+    if (!entry.empty() && !ends_with(lower(entry), ".npy") && !meant)
       return "is a zip archive (its first entry: " + entry + "): unpack it";
   }
   for (const auto& [magic, name] :
@@ -58,7 +59,8 @@ std::string what_it_is(const std::string& head, const std::string& extension) {
         {"BZh", "is packed by bzip2"},
         {"7z\xBC\xAF", "is a 7z archive"},
         {"Rar!", "is a RAR archive"}})
-    if (begins_with(head, magic)) return name + ": unpack it";
+    // joblib packs its pickles itself.
+    if (begins_with(head, magic) && extension != ".pkl") return name + ": unpack it";
   if (extension == ".bvh" && (begins_with(head, "\xFF\xFE") || begins_with(head, "\xFE\xFF")))
     return "is text in UTF-16: save it as plain text (UTF-8)";
   return "";

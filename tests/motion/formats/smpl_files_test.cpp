@@ -373,7 +373,7 @@ TEST(SmplFiles, NamesWhatIsOutOfReach) {
   const auto transl = entry("transl", zeros, {4, 3});
   says({entry("betas", zeros, {16})}, "shape.npz");
   says({entry("expressions", zeros, {4, 10}), entry("jaw_pose", zeros, {4, 3})}, "face");
-  says({entry("joints", zeros, {4, 22, 3})}, "joint positions");
+  says({entry("joints", zeros, {4, 22, 3})}, "joints");
   says({entry("v_template", zeros, {8, 3}), entry("shapedirs", zeros, {8, 3, 2})}, "--body");
   says({entry("global_orient", zeros, {4, 1, 6}), entry("body_pose", zeros, {4, 23, 6}), transl},
        "6-d rotations");
