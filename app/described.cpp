@@ -156,7 +156,8 @@ std::vector<Table> describe_path(const fs::path& path, const ReadOptions& option
   const Describe describe = describer_of(ending);
   if (describe == nullptr) return describe_motion(path, options);
   if (!looks_like_motion(path)) return describe(path);
-  // A table of joint positions or a figure, which stays what it is where no motion can be made of it.
+  // A table of joint positions or a figure, which stays what it is where no motion can be made of
+  // it.
   std::vector<Table> tables;
   if (ending != ".csv") tables = describe(path);
   try {

@@ -3,8 +3,8 @@
 
 #include "app/described_parts.h"
 #include "common/text.h"
-#include "motion/formats/aist.h"
 #include "motion/clip_range.h"
+#include "motion/formats/aist.h"
 #include "motion/formats/formats.h"
 #include "motion/posture.h"
 #include "motion/skeleton.h"

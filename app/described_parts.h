@@ -18,8 +18,8 @@ double number_of(const Json& json, const char* key);
 std::string text_of(const Json& json, const char* key);
 
 // Motions of a file: length, figure, how it stands, what is remarkable. In described_motion.cpp.
-std::vector<Table> describe_motion(const std::filesystem::path& file, const ReadOptions& options = {},
-                                   const ClipRange& range = {});
+std::vector<Table> describe_motion(const std::filesystem::path& file,
+                                   const ReadOptions& options = {}, const ClipRange& range = {});
 
 // Models, training runs and experiments; their folders.
 std::vector<Table> describe_model(const std::filesystem::path& folder);

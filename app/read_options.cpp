@@ -77,8 +77,8 @@ void add_read_options(CLI::App& app, MotionReading& reading, const ReadOptionSet
 }
 
 const std::vector<std::string>& read_option_names() {
-  static const std::vector<std::string> names = {"--source-fps", "--up",        "--unit",
-                                                 "--bvh-map",    "--write-map", "--keep-path",
+  static const std::vector<std::string> names = {"--source-fps", "--up",         "--unit",
+                                                 "--bvh-map",    "--write-map",  "--keep-path",
                                                  "--fill-gaps",  "--drop-first", "--body"};
   return names;
 }

@@ -11,10 +11,12 @@ namespace mocaplm {
 
 // How a command names what it reads, for the help of its arguments.
 constexpr const char* kMotionFiles =
-    "motion files (.npz, .pkl, .bvh, .fbx, .glb, ...), FILE:from-to for a part (seconds), FILE#PART of several "
+    "motion files (.npz, .pkl, .bvh, .fbx, .glb, ...), FILE:from-to for a part (seconds), "
+    "FILE#PART of several "
     "people or takes, ";
 constexpr const char* kMotionFile =
-    "motion file (.npz, .pkl, .bvh, .fbx, .glb, ...), FILE:from-to for a part (seconds), FILE#PART of several "
+    "motion file (.npz, .pkl, .bvh, .fbx, .glb, ...), FILE:from-to for a part (seconds), FILE#PART "
+    "of several "
     "people or takes, or DATASET#CLIP";
 
 struct ReadOptionSet {

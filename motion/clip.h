@@ -22,9 +22,9 @@ using RestJoints = Eigen::Matrix<double, 24, 3, Eigen::RowMajor>;
 
 // Whose body moves, as far as a file says it.
 struct BodyShape {
-  std::vector<double> betas;         // SMPL's shape coefficients, as in the file; empty: not said
-  std::string gender;                // "neutral", "female", "male"; "": not said
-  std::optional<RestJoints> rest;    // of this shape, from a model file; none: the mean body's
+  std::vector<double> betas;       // SMPL's shape coefficients, as in the file; empty: not said
+  std::string gender;              // "neutral", "female", "male"; "": not said
+  std::optional<RestJoints> rest;  // of this shape, from a model file; none: the mean body's
 };
 
 struct Clip {

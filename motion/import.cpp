@@ -85,7 +85,8 @@ class Import {
     sources_ = std::move(found.files);
     report_.ignored = found.ignored;
     if (sources_.empty())
-      throw DataError(in_file(join(job.sources, ", ")), "no .npz, .pkl, .bvh or other motion file there");
+      throw DataError(in_file(join(job.sources, ", ")),
+                      "no .npz, .pkl, .bvh or other motion file there");
     refuse_own_files();
     Facts facts = gather_facts(config, sources_);
     facts_ = std::move(facts.files);

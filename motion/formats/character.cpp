@@ -13,10 +13,10 @@
 #include "motion/formats/glb_file.h"
 #include "motion/formats/gltf_scene.h"
 #include "motion/formats/out_scheme.h"
-#include "motion/formats/retarget_map.h"
 #include "motion/formats/rest_pose.h"
-#include "motion/formats/source_figure.h"
+#include "motion/formats/retarget_map.h"
 #include "motion/formats/skeletons.h"
+#include "motion/formats/source_figure.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 

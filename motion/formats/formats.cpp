@@ -25,7 +25,8 @@ namespace {
 enum class Format { unknown, npz, pkl, npy, pt, bvh, fbx, glb, vrma, gltf, dae, csv, trc };
 
 const char* const kRead =
-    ".npz, .pkl, .npy or .pt (SMPL), .bvh, .fbx, .glb, .gltf, .vrma, .dae, or .csv, .npy or .trc of "
+    ".npz, .pkl, .npy or .pt (SMPL), .bvh, .fbx, .glb, .gltf, .vrma, .dae, or .csv, .npy or .trc "
+    "of "
     "joint positions";
 
 std::string title(Format format) {

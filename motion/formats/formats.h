@@ -45,8 +45,8 @@ struct ReadMotion {
   ReadReport report;
 };
 
-// Whether the extension is one that read_clip knows (.npz, .pkl, .npy, .pt, .bvh, .fbx, .glb, .gltf,
-// .vrma, .dae, .csv, .trc, in any case).
+// Whether the extension is one that read_clip knows (.npz, .pkl, .npy, .pt, .bvh, .fbx, .glb,
+// .gltf, .vrma, .dae, .csv, .trc, in any case).
 bool is_motion_file(const std::filesystem::path& path);
 // The same for a file found in a folder: a .csv or .npy, which may be anything, must hold positions
 // of joints by its head.
@@ -55,8 +55,8 @@ bool looks_like_motion(const std::filesystem::path& path);
 // Reads all motions of a file: its people or takes, whose clips are named "STEM_PART"; a single one
 // is named as the file's stem. With `options.part` that one alone. Throws DataError for unknown
 // extensions, for a file that is not what its extension says (naming what it looks like), and as
-// read_npz, read_aist_pkl, read_bvh_clip and read_scene_clips do; UsageError for a rate out of range.
-// The clips have passed check_clip and are not empty.
+// read_npz, read_aist_pkl, read_bvh_clip and read_scene_clips do; UsageError for a rate out of
+// range. The clips have passed check_clip and are not empty.
 std::vector<ReadMotion> read_clips(const std::filesystem::path& path,
                                    const ReadOptions& options = {});
 

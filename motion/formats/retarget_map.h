@@ -21,10 +21,10 @@ struct JointAxes {
 };
 
 // Where the T-pose comes from.
-//   automatic  the first in which the figure stands: the zero pose, `axes`, frame 0, ... (rest_pose.h)
-//   axes   `axes` says how each joint's own axes lie in a T-pose
-//   euler  `euler` gives the rotation channels of the joints that are not zero in a T-pose
-//   frame  frame `frame` of the motion is a T- or A-pose, at any heading
+//   automatic  the first in which the figure stands: the zero pose, `axes`, frame 0, ...
+//   (rest_pose.h) axes   `axes` says how each joint's own axes lie in a T-pose euler  `euler` gives
+//   the rotation channels of the joints that are not zero in a T-pose frame  frame `frame` of the
+//   motion is a T- or A-pose, at any heading
 enum class TPose { automatic, axes, euler, frame };
 
 struct RetargetMap {

@@ -52,7 +52,8 @@ TEST_F(DataCommands, MissingAndBrokenFilesExitWithThree) {
   expect_run("import " + at("none") + " --out " + at("o"), 3, "none: no such file");
   expect_run("info " + at("none"), 3, "none: no such file");
   fs::create_directories(folder_ / "in");
-  expect_run("import " + at("in") + " --out " + at("o"), 3, "no .npz, .pkl, .bvh or other motion file");
+  expect_run("import " + at("in") + " --out " + at("o"), 3,
+             "no .npz, .pkl, .bvh or other motion file");
   expect_run("info " + at("in"), 3, "neither a dataset");
   write_file(folder_ / "in" / "a.bvh", "HIERARCHY\nROOT");
   expect_run("import " + at("in") + " --out " + at("o"), 3, "nothing was written");

@@ -35,6 +35,8 @@ TEST(Disguise, IsCalledWhatItIsWhateverTheExtension) {
     for (const std::string name : {"walk.bvh", "walk.BVH", "walk.npz", "walk.pkl", "walk.fbx",
                                    "walk.glb", "walk.csv", "walk"}) {
       if (c.message.find("zip") != std::string::npos && name == "walk.npz") continue;
+      // joblib packs its pickles by gzip itself.
+      if (c.message.find("gzip") != std::string::npos && name == "walk.pkl") continue;
       const auto path = scratch.put(name, c.content);
       const std::string message = refusal([&] { read_clip(path); });
       EXPECT_NE(message.find(path.string()), std::string::npos) << message;
