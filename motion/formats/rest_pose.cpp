@@ -65,7 +65,7 @@ class Finder {
     const BvhPose zero = rest_bvh(bvh_);
     const Standing standing = standing_in(figure_, zero, false);
     // Arms that hang may as well be lifted by chance; a later pose may tell more.
-    if (standing.stance != Stance::none && standing.stance != Stance::hanging)
+    if (standing.stance != RestStance::none && standing.stance != RestStance::hanging)
       return of_zero(zero, standing);
     if (!map_.axes.empty()) {
       RestPose known = axes_pose();
@@ -73,9 +73,9 @@ class Finder {
     }
     const BvhPose first = frame_pose(0);
     const Standing in_first = standing_in(figure_, first, true);
-    if (in_first.stance == Stance::t_pose || in_first.stance == Stance::a_pose)
+    if (in_first.stance == RestStance::t_pose || in_first.stance == RestStance::a_pose)
       return of_pose(first, "frame 0", true);
-    if (standing.stance == Stance::hanging) return of_zero(zero, standing);
+    if (standing.stance == RestStance::hanging) return of_zero(zero, standing);
     RestPose straightened = straighten();
     if (stands(straightened)) return straightened;
     throw DataError(in_file(file_),
@@ -113,7 +113,7 @@ class Finder {
   // At any heading.
   RestPose of_pose(const BvhPose& pose, const std::string& source, bool known_to_stand) const {
     const Standing standing = standing_in(figure_, pose, false);
-    if (standing.stance == Stance::none && !known_to_stand)
+    if (standing.stance == RestStance::none && !known_to_stand)
       throw DataError(in_file(file_), "is to stand in a T-pose in " + source + ", as its map " +
                                           map_.scheme + " says, but " + standing.why_not);
     return {pose,  to_front(standing.up, standing.left), standing.up, false, standing.stance,
@@ -193,7 +193,7 @@ class Finder {
   // In our world, facing +Z.
   bool stands(const RestPose& rest) const {
     const Standing standing = standing_in(figure_, rest.pose, false);
-    return standing.stance != Stance::none && standing.up == Eigen::Vector3d::UnitY() &&
+    return standing.stance != RestStance::none && standing.up == Eigen::Vector3d::UnitY() &&
            standing.left.x() > 0.9;
   }
 

@@ -17,7 +17,7 @@ struct RestPose {
   Eigen::Matrix3d front;              // turns the pose's world so that the figure stands, facing +Z
   std::optional<Eigen::Vector3d> up;  // the file's axis that is up there; none: not of the file
   bool zero = false;                  // all rotations zero
-  Stance stance = Stance::t_pose;
+  RestStance stance = RestStance::t_pose;
   std::string source;  // for people: "the zero pose", "frame 0", ...
 
   // From one of SMPL's joints to another, facing +Z, in the file's unit.

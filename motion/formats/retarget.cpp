@@ -152,7 +152,7 @@ class Retargeter {
         from *= undo_spread(rest_.bone(figure_, left_foot ? 4 : 5, left_foot ? 7 : 8)).transpose();
       from_rest_[j] = quaternion_from_matrix(from);
     }
-    if (rest_.stance == Stance::t_pose || !map_.align) return;
+    if (rest_.stance == RestStance::t_pose || !map_.align) return;
     // Arms that hang in the rest pose are turned there, in SMPL's terms.
     for (const int j : kArms) {
       const int upper = j < 20 ? j : j - 2;

@@ -50,7 +50,7 @@ class Check {
     if (figure_.has(15) && (at(15) - figure_.middle(pose_, 16, 17)).dot(out_.up) < 0)
       fail("the head is not above the shoulders");
     arms();
-    if (!out_.why_not.empty()) out_.stance = Stance::none;
+    if (!out_.why_not.empty()) out_.stance = RestStance::none;
     return out_;
   }
 
@@ -81,7 +81,9 @@ class Check {
     }
     limit(std::abs(raised[0] - raised[1]), limits_.uneven, "the arms hang unequally");
     const double lower = std::min(raised[0], raised[1]);
-    out_.stance = lower > -25 ? Stance::t_pose : lower > -70 ? Stance::a_pose : Stance::hanging;
+    out_.stance = lower > -25   ? RestStance::t_pose
+                  : lower > -70 ? RestStance::a_pose
+                                : RestStance::hanging;
   }
 
   const SourceFigure& figure_;

@@ -9,10 +9,10 @@
 
 namespace mocaplm {
 
-enum class Stance { none, t_pose, a_pose, hanging };
+enum class RestStance { none, t_pose, a_pose, hanging };
 
 struct Standing {
-  Stance stance = Stance::none;
+  RestStance stance = RestStance::none;
   std::string why_not;                              // of `none`: a sentence
   Eigen::Vector3d up = Eigen::Vector3d::UnitY();    // a signed axis of the pose's world
   Eigen::Vector3d left = Eigen::Vector3d::UnitX();  // level, unit length

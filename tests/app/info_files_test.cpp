@@ -91,7 +91,7 @@ TEST_F(InfoFiles, WhatConvertAndRenderWrite) {
   must("convert clip.npz clip.glb");
   says("clip.glb", {"glTF", "made by", "skins", "animation clip", "2.95 s"});
   must("convert clip.npz joints.csv");
-  says("joints.csv", {"table (CSV)"});
+  says("joints.csv", {"motion file"});
   must("render clip.npz --width 100 --height 80 --out clip.png");
   says("clip.png", {"picture (PNG)", "100 x 80"});
   write_file(path("moving.gif"), "GIF89a" + std::string("\x40\x01\xf0\x00", 4) + "rest");
@@ -129,7 +129,7 @@ TEST_F(InfoFiles, FilesOfOtherCommands) {
       "gesture juggle --demonstrations 20 --cycles 3 --write-demonstrations shown.csv --out "
       "juggler.json");
   says("juggler.json", {"gesture model", "phase toss", "demonstrations", "x, y"});
-  says("shown.csv", {"table (CSV)", "time", "Trajectories"});
+  says("shown.csv", {"motion file", "time", "Trajectories"});
   must("import dances/clips --out imported --json report.json");
   says("report.json", {"report of an import", "imported"});
 }
