@@ -129,7 +129,7 @@ TEST_F(InfoFiles, FilesOfOtherCommands) {
       "gesture juggle --demonstrations 20 --cycles 3 --write-demonstrations shown.csv --out "
       "juggler.json");
   says("juggler.json", {"gesture model", "phase toss", "demonstrations", "x, y"});
-  says("shown.csv", {"motion file", "time", "Trajectories"});
+  says("shown.csv", {"table (CSV)", "time", "Trajectories"});
   must("import dances/clips --out imported --json report.json");
   says("report.json", {"report of an import", "imported"});
 }
