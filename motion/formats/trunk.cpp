@@ -166,10 +166,6 @@ Eigen::Vector3d Trunk::wanted(const BvhPose& pose, const Rotations& world) const
   return shortest_rotation(world[0] * trunk_, source_trunk(pose)) * straight;
 }
 
-double Trunk::direction_error(const BvhPose& pose, const Rotations& world) const {
-  return angle(smpl_trunk(world), wanted(pose, world)) / kDegree;
-}
-
 void Trunk::keep_direction(const BvhPose& pose, Rotations& world) const {
   if (!keep_ || bend_[1] + bend_[2] == 0 || source_trunk(pose).norm() < 1e-9) return;
   const Eigen::Vector3d goal = wanted(pose, world), now = smpl_trunk(world);

@@ -31,9 +31,6 @@ class Trunk {
   // seen from its hips, where the source's lies seen from its pelvis.
   void keep_direction(const BvhPose& pose, Rotations& world) const;
 
-  // Largest angle between the source's trunk and the one that `world` gives, degrees.
-  double direction_error(const BvhPose& pose, const Rotations& world) const;
-
  private:
   Eigen::Vector3d source_bone(const BvhPose& pose, int from, int to) const {
     return turn_ * (figure_.at(pose, to) - figure_.at(pose, from));
