@@ -237,7 +237,6 @@ class Recogniser {
       if (middle >= 0 && root >= middle) root = -1;
       // "Collar, Shoulder, Elbow", and "Shoulder, Elbow".
     }
-    if (middle < 0 && root >= 0) middle = -1;
     const int end = middle < 0 ? -1 : first_on(limb, after(middle), {Part::hand});
     settle(limb, root, middle, end);
     int collar = first_on(limb, 0, {Part::collar});
@@ -355,7 +354,6 @@ class Recogniser {
     // The joint that turns the hips may hang beside the spine (iClone).
     const int trunk = common_ancestor(bvh_, legs.parent, arms.parent);
     std::vector<int> spine = path_down(bvh_, trunk, arms.parent);
-    int neck_from = arms.parent;
     while (!spine.empty() && part(spine.back()) == Part::neck) {
       // 3ds Max hangs the arms from the neck.
       if (j[12] < 0) j[12] = spine.back();
@@ -366,7 +364,7 @@ class Recogniser {
     std::vector<double> heights;
     for (const int joint : spine) heights.push_back((at(joint) - at(legs.parent)).norm());
     assign_spine(spine, heights, j);
-    find_head(out, neck_from);
+    find_head(out, arms.parent);
   }
   bool sides_known(const Pair& pair) const { return side(pair.left.path.front()) == Side::left; }
 
@@ -445,28 +443,25 @@ class Recogniser {
         return;
       }
     const bool named = legs.left.named && legs.right.named && arms.left.named && arms.right.named;
-    const auto bones = [&](const Limb& limb) {
-      return std::make_pair(length(limb.middle),
-                            limb.end >= 0 ? between(limb.middle, limb.end) : end_site(limb.middle));
+    const auto lower = [&](const Limb& limb) {
+      return limb.end >= 0 ? between(limb.middle, limb.end) : end_site(limb.middle);
     };
     for (const Pair* pair : {&legs, &arms}) {
-      const auto [lu, ll] = bones(pair->left);
-      const auto [ru, rl] = bones(pair->right);
-      const double left = thigh_of(pair->left) + ll, right = thigh_of(pair->right) + rl;
-      (void)lu, (void)ru;
+      const double left = upper(pair->left) + lower(pair->left);
+      const double right = upper(pair->right) + lower(pair->right);
       if (std::abs(left - right) > 0.4 * std::max(left, right))
         out.doubt =
             std::string("its two ") + (pair == &legs ? "legs" : "arms") + " are of unequal length";
       if (!named && (pair->left.end < 0 && end_site(pair->left.middle) <= 0))
         out.doubt = "its limbs have no third joint";
     }
-    const double leg = thigh_of(legs.left) + bones(legs.left).second;
+    const double leg = upper(legs.left) + lower(legs.left);
     const double trunk = (0.5 * (at(j[16]) + at(j[17])) - 0.5 * (at(j[1]) + at(j[2]))).norm();
     if (!(leg > 0) || !(trunk > 0.15 * leg && trunk < 4 * leg))
       out.doubt = "its trunk and legs have no human proportions";
     if (!named && j[15] < 0) out.doubt = "no head was found";
   }
-  double thigh_of(const Limb& limb) const { return between(limb.root, limb.middle); }
+  double upper(const Limb& limb) const { return between(limb.root, limb.middle); }
   // Along the bones.
   double between(int above, int below) const {
     double sum = 0;

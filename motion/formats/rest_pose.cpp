@@ -54,7 +54,7 @@ class Finder {
                       "up and facing of its map " + map_.scheme + " lie along the same axis");
     switch (map_.t_pose) {
       case TPose::axes:
-        return standing_axes(true);
+        return standing_axes();
       case TPose::euler:
         return of_angles(euler_pose());
       case TPose::frame:
@@ -180,10 +180,10 @@ class Finder {
     place(bvh_, given, rest.pose);
     return rest;
   }
-  RestPose standing_axes(bool must) const {
+  RestPose standing_axes() const {
     RestPose rest = axes_pose();
     const Standing standing = standing_in(figure_, rest.pose, false);
-    if (must && !stands(rest))
+    if (!stands(rest))
       throw DataError(
           in_file(map_.scheme),
           "with the axes of this map the figure of " + file_ + " does not stand: " +

@@ -183,7 +183,11 @@ class Retargeter {
     if (joint < 0) return Eigen::Vector3d::UnitX();
     const Eigen::Vector3d forearm = rest_.bone(figure_, wrist - 2, wrist);
     const Eigen::Matrix3d world = rest_.front * rest_.pose.rotations[index(joint)];
-    Eigen::Vector3d to = forearm;
+    // Known axes are those of a T-pose: straight to the side.
+    Eigen::Vector3d to =
+        rest_.source == "the known axes of its joints"
+            ? Eigen::Vector3d((wrist == 20 ? 1 : -1) * forearm.norm() * Eigen::Vector3d::UnitX())
+            : forearm;
     double nearest = 0.5;  // the thumb points elsewhere
     const auto offer = [&](const Eigen::Vector3d& bone) {
       if (bone.norm() < 0.01 * forearm.norm()) return;

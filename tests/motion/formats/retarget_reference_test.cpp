@@ -133,9 +133,7 @@ TEST_F(RetargetReference, Agrees) {
   }
   ASSERT_EQ(rest.size(), 10u);
   for (const auto& [joint, directions] : rest)
-    // Hands without fingers go on along the forearms, whose offsets have six digits.
-    EXPECT_LT(spread(directions), joint < 20 ? 1e-6 : 1e-5)
-        << joint_names()[static_cast<std::size_t>(joint)];
+    EXPECT_LT(spread(directions), 1e-6) << joint_names()[static_cast<std::size_t>(joint)];
   EXPECT_LT(spread(hips), 1e-6);
   EXPECT_LT(*std::max_element(untwisted.begin(), untwisted.end()), 1e-6);
 }
