@@ -47,7 +47,7 @@ void add_convert(CLI::App& app) {
   convert
       ->add_option(
           "--character", job.character,
-          "a character (.glb, .vrm) that gets the motion: a .glb with its own mesh and skin")
+          "a character (.glb, .vrm, .fbx) that gets the motion: a .glb with its own mesh and skin")
       ->type_name("FILE");
   add_read_options(*convert, job.read);
   add_threads_option(*convert, job.threads, "files at a time; 0: one for each core");

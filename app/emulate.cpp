@@ -23,7 +23,7 @@ namespace {
 // A page with more figures is slow, and nobody looks at them all.
 constexpr std::size_t kMostFigures = 8;
 
-struct FitCommand {
+struct EmulateCommand {
   std::vector<std::string> inputs, where;
   std::string split = "train", scheme = "SIEM/SequentialPCA/MVG", out, json;
   MotionReading read;
@@ -41,7 +41,7 @@ struct FittedClips {
   bool procedural = false;
 };
 
-std::vector<Clip> read_class(const FitCommand& command, const Dataset& dataset) {
+std::vector<Clip> read_class(const EmulateCommand& command, const Dataset& dataset) {
   const auto entries =
       chosen_entries(dataset, command.split == "all" ? "" : command.split, command.where);
   if (entries.size() < kFewestMotions)
@@ -62,7 +62,7 @@ std::vector<Clip> read_class(const FitCommand& command, const Dataset& dataset) 
   return clips;
 }
 
-FittedClips read_files(const CLI::App& app, const FitCommand& command) {
+FittedClips read_files(const CLI::App& app, const EmulateCommand& command) {
   refuse_options(app, {"--where", "--split"}, " chooses from a dataset: give its folder alone");
   FittedClips out;
   out.from = join(command.inputs, ", ");
@@ -78,7 +78,7 @@ FittedClips read_files(const CLI::App& app, const FitCommand& command) {
   return out;
 }
 
-FittedClips read_fitted(const CLI::App& app, const FitCommand& command) {
+FittedClips read_fitted(const CLI::App& app, const EmulateCommand& command) {
   if (command.inputs.size() > 1 || !std::filesystem::is_directory(command.inputs[0]))
     return read_files(app, command);
   refuse_read_options(command.read,
@@ -93,7 +93,7 @@ void add_settings(Table& table, const Json& settings) {
                item.value().is_string() ? item.value().get<std::string>() : item.value().dump()});
 }
 
-Table fit_table(const FitCommand& command, const std::string& split,
+Table fit_table(const EmulateCommand& command, const std::string& split,
                 const PreparedMotions& prepared, const MotionEmulator& motions) {
   const Emulator& emulator = *motions.emulator;
   double amount = 0, most = 0, before = 0, after = 0, lost = 0, likelihood = 0;
@@ -138,7 +138,7 @@ Table fit_table(const FitCommand& command, const std::string& split,
   return table;
 }
 
-void run_fit(const CLI::App& app, const FitCommand& command) {
+void run_fit(const CLI::App& app, const EmulateCommand& command) {
   check_writable(command.out);
   check_writable(command.json);
   const Scheme scheme = parse_scheme(command.scheme);
@@ -228,7 +228,7 @@ void run_sample(const SampleCommand& command) {
 
 void add_emulate_fit(CLI::App& emulate) {
   CLI::App* fit = emulate.add_subcommand("fit", "fit a scheme to the clips of one class");
-  auto command = std::make_shared<FitCommand>();
+  auto command = std::make_shared<EmulateCommand>();
   fit->add_option("INPUT", command->inputs,
                   kMotionFiles + std::string("or a dataset's folder alone (--where, --split)"))
       ->required();

@@ -16,7 +16,7 @@ namespace mocaplm {
 
 namespace {
 
-struct FitCommand {
+struct GestureCommand {
   GestureInput input;
   GestureConfig config;
   ReportConfig report;
@@ -30,7 +30,7 @@ struct Fitted {
   Cut cut;
 };
 
-Fitted fit_all(const FitCommand& command) {
+Fitted fit_all(const GestureCommand& command) {
   for (const std::string& file : {command.out, command.json, command.page}) check_writable(file);
   const Recordings recordings = command.input.read(command.config);
   Fitted fitted;
@@ -44,7 +44,7 @@ Fitted fit_all(const FitCommand& command) {
   return fitted;
 }
 
-void write_page(const FitCommand& command, const Fitted& fitted, const std::string& title,
+void write_page(const GestureCommand& command, const Fitted& fitted, const std::string& title,
                 const std::vector<Table>& tables) {
   if (command.page.empty()) return;
   std::vector<Plot> plots;
@@ -54,7 +54,7 @@ void write_page(const FitCommand& command, const Fitted& fitted, const std::stri
   write_figures(command.page, title, plots, tables);
 }
 
-void run_fit(const FitCommand& command) {
+void run_fit(const GestureCommand& command) {
   const Fitted fitted = fit_all(command);
   save_gesture(command.out, fitted.model);
   Table table("gesture model " + command.out,
@@ -80,7 +80,7 @@ void run_fit(const FitCommand& command) {
   print_table(table, command.json);
 }
 
-void run_test(const FitCommand& command) {
+void run_test(const GestureCommand& command) {
   const Fitted fitted = fit_all(command);
   std::vector<Table> tables;
   for (std::size_t i = 0; i < fitted.data.size(); ++i) {
@@ -94,8 +94,8 @@ void run_test(const FitCommand& command) {
   print_tables(tables, command.json);
 }
 
-std::shared_ptr<FitCommand> add_input(CLI::App& app) {
-  auto command = std::make_shared<FitCommand>();
+std::shared_ptr<GestureCommand> add_input(CLI::App& app) {
+  auto command = std::make_shared<GestureCommand>();
   command->input.add_options(app);
   bind_options(app, command->config);
   add_json_option(app, command->json);

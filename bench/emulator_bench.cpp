@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "common/angles.h"
 #include "emulator/align.h"
 #include "emulator/emulator.h"
 #include "emulator/representation.h"
@@ -36,7 +37,7 @@ std::vector<PostureSequence> motions() {
     const double bend = 0.05 * random.normal();
     for (Eigen::Index t = 0; t < kFrames; ++t) {
       const double x = static_cast<double>(t) / (kFrames - 1);
-      const double time = x + bend * std::sin(2 * M_PI * x);
+      const double time = x + bend * std::sin(2 * kPi * x);
       Eigen::VectorXd at(2 * kLimbs);
       for (Eigen::Index i = 0; i < at.size(); ++i)
         at[i] = sizes[i] * (std::sin(6 * time + phases(i, 0)) + std::sin(13 * time + phases(i, 1)));

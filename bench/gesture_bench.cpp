@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/random.h"
 #include "gesture/phase_model.h"
 
@@ -44,7 +45,7 @@ void plain(const PhaseModel& model, const Boundary& boundary, Eigen::MatrixXd& v
     for (Eigen::Index t = 0; t < kSamples; ++t) {
       const double tau = static_cast<double>(t) / static_cast<double>(kSamples - 1);
       double y = p[0] + p[1] * tau;
-      for (int k = 1; k <= 10; ++k) y += p[k + 1] * std::sin(k * M_PI * tau);
+      for (int k = 1; k <= 10; ++k) y += p[k + 1] * std::sin(k * kPi * tau);
       values(t, v) = y;
     }
   }

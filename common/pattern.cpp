@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxExpression = 1000;
 constexpr std::size_t kMaxText = 1000;
-constexpr int kMaxDepth = 12;
+constexpr int kMaxGroups = 12;
 constexpr std::size_t kMaxSteps = 20'000'000;
 
 struct TooManySteps {};
@@ -125,7 +125,7 @@ struct Pattern::State {
       if (in_class || c == ']') continue;
       if (c == ')') --depth;
       if (c == '(') {
-        if (++depth > kMaxDepth) fail("groups are nested too deep");
+        if (++depth > kMaxGroups) fail("groups are nested too deep");
         open_group(i);
       }
     }

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "common/angles.h"
 #include "common/error.h"
 
 namespace mocaplm {
@@ -19,7 +20,7 @@ std::uint64_t Random::below(std::uint64_t n) {
 double Random::normal() {
   const double u = 1.0 - uniform();
   const double v = uniform();
-  return std::sqrt(-2.0 * std::log(u)) * std::cos(6.283185307179586 * v);
+  return std::sqrt(-2.0 * std::log(u)) * std::cos(kTurn * v);
 }
 
 std::string Random::state() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mocaplm {
@@ -9,6 +10,13 @@ namespace mocaplm {
 std::string join(const std::vector<std::string>& parts, const std::string& between);
 std::vector<std::string> split(const std::string& text, char at);
 std::string lower(std::string text);
+
+inline bool starts_with(std::string_view text, std::string_view begin) {
+  return text.substr(0, begin.size()) == begin;
+}
+inline bool ends_with(std::string_view text, std::string_view end) {
+  return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
+}
 
 // The shortest form that reads well: 1e+300 stays, 0.5 stays, 3.0 becomes 3.
 std::string format_number(double value);

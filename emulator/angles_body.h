@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "common/angles.h"
+
 namespace mocaplm {
 namespace {
 
@@ -28,7 +30,6 @@ inline double arcsine_ratio(double u) {
 
 double angle_sum(const double* a, const double* b, std::int64_t blocks) {
   constexpr std::int64_t kLanes = 8;
-  constexpr double kPi = 3.14159265358979323846;
   double sums[kLanes] = {0, 0, 0, 0, 0, 0, 0, 0};
   for (std::int64_t block = 0; block < blocks; ++block, a += 3 * kLanes, b += 3 * kLanes) {
 #pragma omp simd

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/resample.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
@@ -124,7 +125,7 @@ void stand(Clip& clip) {
 }
 
 double wrapped(double angle) {
-  return std::remainder(angle, 2 * M_PI);
+  return std::remainder(angle, 2 * kPi);
 }
 
 }  // namespace
@@ -204,7 +205,7 @@ Clip postures_clip(const PostureSequence& sequence, const LandmarkTree& tree,
     }
   }
   stand(clip);
-  keep_continuous(clip, M_PI);
+  keep_continuous(clip, kPi);
   return clip;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/text.h"
 #include "emulator/gaussians.h"
@@ -77,7 +78,7 @@ struct Marginal {
   }
   double log_density(double x) const {
     return log_sum_exp(-0.5 * ((points.array() - x) / width).square()) -
-           std::log(width * static_cast<double>(points.size()) * std::sqrt(2 * M_PI));
+           std::log(width * static_cast<double>(points.size()) * std::sqrt(2 * kPi));
   }
   // By Newton's steps, halving the interval where one leads out of it.
   double quantile(double p) const {

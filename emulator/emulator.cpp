@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/parallel.h"
 #include "emulator/coefficients.h"
 #include "emulator/reduction.h"
@@ -183,7 +184,7 @@ class PwiEmulator : public Emulator {
   double log_likelihood(const PostureSequence& sequence) const override {
     const Eigen::VectorXd all = coefficients(sequence);
     const Eigen::Index d = 2 * limbs();
-    double sum = -0.5 * static_cast<double>(all.size()) * std::log(2 * M_PI);
+    double sum = -0.5 * static_cast<double>(all.size()) * std::log(2 * kPi);
     for (Eigen::Index t = 0; t < frames(); ++t) {
       Eigen::VectorXd v = all.segment(t * d, d);
       factor(t).triangularView<Eigen::Lower>().solveInPlace(v);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "emulator/reduction.h"
 
@@ -23,7 +24,7 @@ Gaussians::Gaussians(Eigen::VectorXd weights, Eigen::MatrixXd means,
     throw DataError(in_file("coefficients"), "their covariance is not positive definite");
   factor_ = llt.matrixL();
   log_norm_ = -factor_.diagonal().array().log().sum() -
-              0.5 * static_cast<double>(means_.cols()) * std::log(2 * M_PI);
+              0.5 * static_cast<double>(means_.cols()) * std::log(2 * kPi);
 }
 
 Eigen::MatrixXd Gaussians::sample(Eigen::Index count, Random& random) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "emulator/gaussians.h"
 #include "emulator/reduction.h"
 
@@ -98,7 +99,7 @@ double LocalKernels::log_density(const Eigen::VectorXd& x) const {
                kernel.inner.matrixLLT().diagonal().array().log().sum();
   }
   return log_sum_exp(parts) - std::log(static_cast<double>(parts.size())) -
-         noise_.array().log().sum() - 0.5 * static_cast<double>(x.size()) * std::log(2 * M_PI);
+         noise_.array().log().sum() - 0.5 * static_cast<double>(x.size()) * std::log(2 * kPi);
 }
 
 Json LocalKernels::json() const {

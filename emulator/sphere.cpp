@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
+
 namespace mocaplm {
 
 namespace {
@@ -34,7 +36,7 @@ Eigen::Vector3d sphere_log(const Eigen::Vector3d& y, const Eigen::Vector3d& z) {
   const double cosine = y.dot(z);
   const Eigen::Vector3d across = z - cosine * y;
   const double sine = across.norm();
-  if (cosine < 0 && sine < kOpposite) return M_PI * sphere_direction(y);
+  if (cosine < 0 && sine < kOpposite) return kPi * sphere_direction(y);
   return sine == 0 ? across : Eigen::Vector3d(std::atan2(sine, cosine) / sine * across);
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "emulator/reduction.h"
 
@@ -68,7 +69,7 @@ Eigen::MatrixXd VectorAutoregression::sample(Eigen::Index frames, Random& random
 
 double VectorAutoregression::log_likelihood(const Eigen::MatrixXd& course) const {
   const double norm = -factor.diagonal().array().log().sum() -
-                      0.5 * static_cast<double>(dimensions()) * std::log(2 * M_PI);
+                      0.5 * static_cast<double>(dimensions()) * std::log(2 * kPi);
   double sum = 0;
   for (Eigen::Index t = order(); t < course.cols(); ++t) {
     Eigen::VectorXd rest = course.col(t) - weights * past_of(course, t, order());

@@ -13,7 +13,8 @@ struct ScoredWindow {
   std::size_t clip, first, scored, last;
 };
 
-std::vector<ScoredWindow> cut(const std::vector<ScoredClip>& clips, const ModelDescription& model) {
+std::vector<ScoredWindow> cut_windows(const std::vector<ScoredClip>& clips,
+                                      const ModelDescription& model) {
   const auto per_frame = static_cast<std::size_t>(model.shape.tokens_per_frame());
   std::vector<ScoredWindow> pieces;
   for (std::size_t c = 0; c < clips.size(); ++c) {
@@ -62,7 +63,7 @@ std::vector<BitCount> score_windows(const ModelDescription& d, const std::vector
                                     std::int64_t windows_at_once, const WindowNats& window_nats,
                                     const WindowsDone& progress) {
   const auto per_frame = static_cast<std::size_t>(d.shape.tokens_per_frame());
-  const std::vector<ScoredWindow> pieces = cut(clips, d);
+  const std::vector<ScoredWindow> pieces = cut_windows(clips, d);
   std::vector<BitCount> counts(clips.size());
   for (std::size_t c = 0; c < clips.size(); ++c) {
     counts[c].frames = static_cast<std::int64_t>(clips[c].ids.size() / per_frame);

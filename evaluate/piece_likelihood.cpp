@@ -13,7 +13,8 @@ struct PieceWindow {
   std::size_t clip, first, scored, last;
 };
 
-std::vector<PieceWindow> cut(const std::vector<ScoredClip>& clips, const ModelDescription& model) {
+std::vector<PieceWindow> cut_pieces(const std::vector<ScoredClip>& clips,
+                                    const ModelDescription& model) {
   std::vector<PieceWindow> windows;
   for (std::size_t c = 0; c < clips.size(); ++c) {
     const PieceStream& pieces = clips[c].pieces;
@@ -99,7 +100,7 @@ std::vector<BitCount> score_piece_clips(LanguageModel& model, const std::vector<
     counts[c].frames = static_cast<std::int64_t>(clips[c].pieces.frame_count());
     counts[c].bits.assign(static_cast<std::size_t>(d.shape.tokens_per_frame()), 0);
   }
-  const std::vector<PieceWindow> windows = cut(clips, d);
+  const std::vector<PieceWindow> windows = cut_pieces(clips, d);
   const auto at_once = static_cast<std::size_t>(windows_at_once);
   for (std::size_t i = 0; i < windows.size(); i += at_once) {
     const std::size_t end = std::min(i + at_once, windows.size());

@@ -4,14 +4,6 @@
 
 namespace mocaplm {
 
-namespace {
-
-std::vector<float> room(std::int64_t rows, std::int64_t width) {
-  return std::vector<float>(static_cast<std::size_t>(rows * width));
-}
-
-}  // namespace
-
 BlockStack::BlockStack(Weights& weights, const StackShape& shape, const EngineOptions& options,
                        Team& team, Arena& arena)
     : shape_(shape), team_(team) {

@@ -13,6 +13,11 @@
 
 namespace mocaplm {
 
+// Zeros, (rows, width).
+inline std::vector<float> room(std::int64_t rows, std::int64_t width) {
+  return std::vector<float>(static_cast<std::size_t>(rows * width));
+}
+
 struct StackShape {
   std::string blocks;  // the tensors' names begin so: "block." for block.0.ln1.weight and so on
   std::string norm;    // "ln" for ln.weight and ln.bias behind the last block; "": there is none

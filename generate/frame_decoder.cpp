@@ -11,10 +11,6 @@ namespace mocaplm {
 
 namespace {
 
-std::vector<float> room(std::int64_t rows, std::int64_t width) {
-  return std::vector<float>(static_cast<std::size_t>(rows * width));
-}
-
 std::int64_t feature_count(const ModelDescription& d) {
   return d.shape.channels * kFrameFeatures;
 }

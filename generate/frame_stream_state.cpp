@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/angles.h"
 #include "model/input.h"
 
 namespace mocaplm {
@@ -56,7 +57,7 @@ void FrameStreamState::features(std::int64_t t, float* out) const {
     const float u = (2 * value(t, c) + 1) / static_cast<float>(shape_.bins) - 1;
     out[0] = u;
     for (int i = 0; i < 3; ++i) {
-      const auto angle = static_cast<float>((1 << i) * M_PI) * u;
+      const auto angle = static_cast<float>((1 << i) * kPi) * u;
       out[1 + 2 * i] = std::sin(angle);
       out[2 + 2 * i] = std::cos(angle);
     }

@@ -4,13 +4,15 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/angles.h"
+
 namespace mocaplm {
 
 Eigen::VectorXd Basis::at(double tau) const {
   Eigen::VectorXd phi(size());
   phi(0) = 1;
   phi(1) = tau;
-  for (int k = 1; k <= harmonics_; ++k) phi(k + 1) = std::sin(k * M_PI * tau);
+  for (int k = 1; k <= harmonics_; ++k) phi(k + 1) = std::sin(k * kPi * tau);
   return phi;
 }
 
@@ -18,14 +20,13 @@ Eigen::VectorXd Basis::derivative(double tau) const {
   Eigen::VectorXd phi(size());
   phi(0) = 0;
   phi(1) = 1;
-  for (int k = 1; k <= harmonics_; ++k) phi(k + 1) = k * M_PI * std::cos(k * M_PI * tau);
+  for (int k = 1; k <= harmonics_; ++k) phi(k + 1) = k * kPi * std::cos(k * kPi * tau);
   return phi;
 }
 
 Eigen::VectorXd Basis::second(double tau) const {
   Eigen::VectorXd phi = Eigen::VectorXd::Zero(size());
-  for (int k = 1; k <= harmonics_; ++k)
-    phi(k + 1) = -k * M_PI * k * M_PI * std::sin(k * M_PI * tau);
+  for (int k = 1; k <= harmonics_; ++k) phi(k + 1) = -k * kPi * k * kPi * std::sin(k * kPi * tau);
   return phi;
 }
 
@@ -39,7 +40,7 @@ Eigen::MatrixXd Basis::table(Eigen::Index samples) const {
     for (int k = 1; k <= harmonics_; ++k) {
       // Whole periods taken away first: the ends are exactly zero.
       const auto turn = static_cast<double>((k * j) % (2 * (samples - 1)));
-      table(j, k + 1) = turn == 0 || turn == last ? 0 : std::sin(M_PI * turn / last);
+      table(j, k + 1) = turn == 0 || turn == last ? 0 : std::sin(kPi * turn / last);
     }
   }
   return table;

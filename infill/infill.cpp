@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/progress.h"
 #include "common/text.h"
@@ -17,8 +18,6 @@
 namespace mocaplm {
 
 namespace {
-
-constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 // Which frames and channels are missing.
 struct Gap {

@@ -15,8 +15,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr std::uintmax_t kMaxModelBytes = std::uintmax_t{16} << 30;
-
 Json ints(const std::vector<std::int32_t>& values) {
   return Json(values);
 }

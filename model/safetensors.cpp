@@ -14,7 +14,6 @@ namespace mocaplm {
 namespace {
 
 constexpr std::uint64_t kMaxHeader = 16u << 20;
-constexpr std::uintmax_t kMaxModelBytes = std::uintmax_t{16} << 30;
 
 std::uint64_t read_length(const std::string& bytes, const std::string& file) {
   if (bytes.size() < 8)

@@ -11,6 +11,9 @@
 
 namespace mocaplm {
 
+// Larger files are no models of this program.
+inline constexpr std::uintmax_t kMaxModelBytes = std::uintmax_t{16} << 30;
+
 struct NamedTensor {
   std::vector<std::int64_t> shape;
   std::vector<float> values;  // row-major

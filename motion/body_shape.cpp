@@ -4,20 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/floor.h"
 #include "motion/skeleton.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kPi = 3.14159265358979323846;
-
-Vector3d rest(int joint) {
-  return rest_joints().row(joint).transpose();
-}
 
 double smooth_step(double t) {
   t = std::clamp(t, 0.0, 1.0);
@@ -28,7 +24,7 @@ double smooth_step(double t) {
 BodyRing ellipse(const Vector3d& centre, const Vector3d& u, const Vector3d& v) {
   BodyRing ring;
   for (int i = 0; i < kRingPoints; ++i) {
-    const double angle = 2 * kPi * i / kRingPoints;
+    const double angle = kTurn * i / kRingPoints;
     ring.points[static_cast<std::size_t>(i)] = centre + std::cos(angle) * u + std::sin(angle) * v;
   }
   return ring;
@@ -42,7 +38,7 @@ struct Girth {
 
 // Along a chain of points; from point i on the limb follows joint owners[i + 1], before the first
 // one owners[0].
-struct Limb {
+struct LimbShape {
   std::vector<Vector3d> points;
   std::vector<int> owners;
   std::vector<Girth> girths;
@@ -54,7 +50,7 @@ constexpr double kBend = 0.055;      // metres on each side of a joint over whic
 
 class LimbSkin {
  public:
-  explicit LimbSkin(const Limb& limb) : limb_(limb) {
+  explicit LimbSkin(const LimbShape& limb) : limb_(limb) {
     arcs_ = {0};
     for (std::size_t i = 1; i < limb.points.size(); ++i)
       arcs_.push_back(arcs_.back() + (limb.points[i] - limb.points[i - 1]).norm());
@@ -138,14 +134,14 @@ class LimbSkin {
     return metres;
   }
 
-  const Limb& limb_;
+  const LimbShape& limb_;
   std::vector<double> arcs_;  // of the points
 };
 
 // `side` 0 left, 1 right: every left joint is followed by the right one.
-Limb leg(int side) {
+LimbShape leg(int side) {
   const int hip = 1 + side, knee = 4 + side, ankle = 7 + side;
-  return {{rest(hip), rest(knee), rest(ankle)},
+  return {{rest_joint(hip), rest_joint(knee), rest_joint(ankle)},
           {0, hip, knee},
           {{0, .086, .088},
            {.2, .084, .086},
@@ -159,10 +155,10 @@ Limb leg(int side) {
           Vector3d::UnitX()};
 }
 
-Limb arm(int side) {
+LimbShape arm(int side) {
   const int shoulder = 16 + side, elbow = 18 + side, wrist = 20 + side, hand = 22 + side;
-  const Vector3d fingers = rest(hand) + (rest(hand) - rest(wrist));
-  return {{rest(shoulder), rest(elbow), rest(wrist), rest(hand), fingers},
+  const Vector3d fingers = rest_joint(hand) + (rest_joint(hand) - rest_joint(wrist));
+  return {{rest_joint(shoulder), rest_joint(elbow), rest_joint(wrist), rest_joint(hand), fingers},
           {13 + side, shoulder, elbow, wrist, hand},
           {{0, .056, .056},
            {.18, .055, .054},
@@ -181,21 +177,21 @@ Limb arm(int side) {
 }
 
 // From the chest along the collar bone, and from the neck down to the shoulder.
-Limb collar(int side) {
-  return {{rest(13 + side), rest(16 + side)},
+LimbShape collar(int side) {
+  return {{rest_joint(13 + side), rest_joint(16 + side)},
           {9, 13 + side},
           {{0, .052, .054}, {.5, .054, .056}, {1, .049, .049}},
           Vector3d::UnitZ()};
 }
-Limb trapezius(int side) {
-  return {{rest(12), rest(16 + side)},
+LimbShape trapezius(int side) {
+  return {{rest_joint(12), rest_joint(16 + side)},
           {9, 13 + side},
           {{0, .048, .048}, {.35, .047, .045}, {.7, .047, .046}, {1, .045, .045}},
           Vector3d::UnitZ()};
 }
 
-Limb neck() {
-  return {{rest(12), rest(15)},
+LimbShape neck() {
+  return {{rest_joint(12), rest_joint(15)},
           {9, 12, 15},
           {{-.35, .047, .047}, {.4, .047, .05}, {1, .048, .05}},
           Vector3d::UnitX()};
@@ -206,18 +202,18 @@ Limb neck() {
 struct FootRing {
   double share, height, width, half_height;
 };
-constexpr FootRing kFoot[] = {
+constexpr FootRing kFootRings[] = {
     {-.24, .006, .004, .004}, {-.2, .005, .022, .022},  {-.08, .003, .032, .033},
     {.15, .012, .035, .043},  {.4, .009, .037, .041},   {.7, .002, .041, .034},
     {1, -.002, .043, .031},   {1.1, -.005, .034, .024}, {1.16, -.006, .004, .004}};
-constexpr FootRing kToes[] = {{-.25, -.004, .034, .025}, {.1, -.004, .044, .0295},
-                              {.6, -.003, .042, .025},   {1, -.002, .034, .02},
-                              {1.2, -.004, .022, .014},  {1.28, -.005, .003, .003}};
+constexpr FootRing kToeRings[] = {{-.25, -.004, .034, .025}, {.1, -.004, .044, .0295},
+                                  {.6, -.003, .042, .025},   {1, -.002, .034, .02},
+                                  {1.2, -.004, .022, .014},  {1.28, -.005, .003, .003}};
 
 // One of figure_soles(), of the left ones, and on the right the one after it.
 Vector3d sole(std::size_t left, int side) {
   const Sole& found = figure_soles()[left + static_cast<std::size_t>(side)];
-  return rest(found.joint) + found.middle.transpose();
+  return rest_joint(found.joint) + found.middle.transpose();
 }
 Vector3d heel(int side) {
   return sole(0, side);
@@ -229,9 +225,9 @@ Vector3d toe_tip(int side) {
 template <std::size_t Size>
 BodySkin foot_part(const FootRing (&rings)[Size], int side, bool toes) {
   const int ankle = 7 + side, ball = 10 + side;
-  const Vector3d start = toes ? rest(ball) : heel(side);
-  const Vector3d way = (toes ? toe_tip(side) : rest(ball)) - start;
-  const Vector3d across = (rest(ankle) - heel(side)).cross(way).normalized();
+  const Vector3d start = toes ? rest_joint(ball) : heel(side);
+  const Vector3d way = (toes ? toe_tip(side) : rest_joint(ball)) - start;
+  const Vector3d across = (rest_joint(ankle) - heel(side)).cross(way).normalized();
   const Vector3d up = way.cross(across).normalized();
   BodySkin skin;
   for (const FootRing& r : rings) {
@@ -289,7 +285,8 @@ BodySkin trunk() {
     Vector3d middle = Vector3d::Zero();
     double width = 0, depth = 0;
     for (const auto& [key, weight] : curve_weights(keys.size(), at)) {
-      for (const auto& [joint, share] : keys[key].middle) middle += weight * share * rest(joint);
+      for (const auto& [joint, share] : keys[key].middle)
+        middle += weight * share * rest_joint(joint);
       width += weight * keys[key].width;
       depth += weight * keys[key].depth;
     }
@@ -312,13 +309,14 @@ BodySkin head() {
     BodyRing ring;
     ring.joints[0] = ring.joints[1] = 15;
     for (int k = 0; k < kRingPoints; ++k) {
-      const double turn = 2 * kPi * k / kRingPoints;
+      const double turn = kTurn * k / kRingPoints;
       const double x = std::cos(up) * std::sin(turn), z = std::cos(up) * std::cos(turn);
       const double front = std::max(z, 0.0);
       const double nose = .018 * std::exp(-(x * x * 34 + (y + .18) * (y + .18) * 22)) * front;
       ring.points[static_cast<std::size_t>(k)] =
-          rest(15) + Vector3d(.077 * x * (1 - .22 * low * low), .085 + .118 * y - .01 * low * front,
-                              .014 + .098 * z * (1 - .22 * low) + .022 * low + nose);
+          rest_joint(15) + Vector3d(.077 * x * (1 - .22 * low * low),
+                                    .085 + .118 * y - .01 * low * front,
+                                    .014 + .098 * z * (1 - .22 * low) + .022 * low + nose);
     }
     skin.push_back(ring);
   }
@@ -330,10 +328,10 @@ BodySkin head() {
 std::vector<BodySkin> body_skins() {
   std::vector<BodySkin> skins = {trunk(), LimbSkin(neck()).skin(), head()};
   for (const int side : {0, 1}) {
-    for (const Limb& limb : {leg(side), arm(side), collar(side), trapezius(side)})
+    for (const LimbShape& limb : {leg(side), arm(side), collar(side), trapezius(side)})
       skins.push_back(LimbSkin(limb).skin());
-    skins.push_back(foot_part(kFoot, side, false));
-    skins.push_back(foot_part(kToes, side, true));
+    skins.push_back(foot_part(kFootRings, side, false));
+    skins.push_back(foot_part(kToeRings, side, true));
   }
   return skins;
 }

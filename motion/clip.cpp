@@ -12,11 +12,11 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kAbsurd = 1e6;
+constexpr double kAbsurdClipValue = 1e6;
 constexpr double kSlowest = 1e-6;  // frames per second; the times of slower ones overflow in files
 
 bool sane(double value) {
-  return std::isfinite(value) && std::abs(value) <= kAbsurd;
+  return std::isfinite(value) && std::abs(value) <= kAbsurdClipValue;
 }
 
 // Without a branch a value: nearly always all is well, and a look at all values is all it takes.
@@ -24,7 +24,8 @@ template <class Matrix>
 bool all_sane(const Matrix& matrix) {
   const double* values = matrix.data();
   std::int64_t insane = 0;
-  for (Eigen::Index i = 0; i < matrix.size(); ++i) insane += !(std::abs(values[i]) <= kAbsurd);
+  for (Eigen::Index i = 0; i < matrix.size(); ++i)
+    insane += !(std::abs(values[i]) <= kAbsurdClipValue);
   return insane == 0;
 }
 

@@ -17,7 +17,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr std::int64_t kMaxFrames = 100'000'000;
+constexpr std::int64_t kMaxDatasetFrames = 100'000'000;
 const char* const kFormat = "mocaplm dataset";
 
 void check_name(const JsonObject& object, const std::string& name) {
@@ -54,7 +54,7 @@ DatasetEntry read_entry(JsonObject object, const fs::path& directory) {
   check_name(object, entry.name);
   entry.file = object.text("file");
   check_file(object, directory, entry.file);
-  entry.frames = object.integer("frames", 1, kMaxFrames);
+  entry.frames = object.integer("frames", 1, kMaxDatasetFrames);
   entry.fps = object.number("fps", 0, 10000);
   if (entry.fps <= 0) object.fail("fps", "expected more than 0 frames per second");
   entry.labels = read_labels(object.object("labels"));

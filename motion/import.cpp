@@ -15,6 +15,7 @@
 #include "common/text.h"
 #include "motion/floor.h"
 #include "motion/formats/retarget_map.h"
+#include "motion/formats/scene.h"
 #include "motion/import/labels.h"
 #include "motion/import/splits.h"
 
@@ -161,6 +162,10 @@ class Import {
       std::vector<Remark> found;
       try {
         found = read_one(i, directory);
+      } catch (const NoMotion& error) {
+        // A prop or a standing character beside the takes is no broken file.
+        found.push_back(
+            {"holds no motion", "was left out, for it " + behind_file(error.what(), i)});
       } catch (const DataError& error) {
         if (job_.strict) throw;
         reason = error.what();
@@ -185,6 +190,12 @@ class Import {
     for (auto& [index, found] : remarks)
       for (Remark& remark : found)
         report_.remarks.push_back({sources_[index].path.string(), std::move(remark)});
+  }
+
+  // A reader's message without the file's name, with which it begins.
+  std::string behind_file(const std::string& message, std::size_t i) const {
+    const std::string file = sources_[i].path.string() + ": ";
+    return starts_with(message, file) ? message.substr(file.size()) : message;
   }
 
   // Reads and stores the clips of one file; returns what is to be said of them. Those of a file
@@ -251,7 +262,10 @@ class Import {
     if (items.empty())
       throw DataError(in_file(job_.out.string()),
                       "nothing was written: none of the " + std::to_string(sources_.size()) +
-                          " files could be read; the first: " + report_.broken.front().reason);
+                          " files could be read; the first: " +
+                          (report_.broken.empty() ? report_.remarks.front().file + " " +
+                                                        report_.remarks.front().remark.text
+                                                  : report_.broken.front().reason));
     report_.imported = items.size();
     for (const Item& item : items) {
       if (!item.retarget.limbs.empty())

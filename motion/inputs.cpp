@@ -23,9 +23,9 @@ std::string range_suffix(const std::string& whole, const std::string& text) {
 }
 
 // Finds the inputs in their order; a folder is loaded once.
-class Finder {
+class InputFinder {
  public:
-  explicit Finder(const std::vector<std::string>& clips) : clips_(clips) {}
+  explicit InputFinder(const std::vector<std::string>& clips) : clips_(clips) {}
 
   void add(const std::string& input) {
     if (fs::is_directory(input)) return add_folder(input);
@@ -109,7 +109,7 @@ fs::path MotionInput::file() const {
 std::vector<MotionInput> find_motions(const std::vector<std::string>& inputs,
                                       const std::vector<std::string>& clips,
                                       const MotionReading& reading) {
-  Finder finder(clips);
+  InputFinder finder(clips);
   for (const std::string& input : inputs) finder.add(input);
   std::vector<MotionInput> found = finder.found();
   bool files = false;

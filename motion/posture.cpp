@@ -4,33 +4,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/floor.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
+#include "motion/smpl_joints.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr double kContact = 0.03;   // metres above the lowest soles within which a foot may stand
 constexpr double kStep = 1.0 / 30;  // seconds over which a speed is taken
 // The crown of the figure that this program draws, from the head joint.
 const Eigen::Vector3d kCrown(0, 0.203, 0);
-
-enum Joint : std::size_t {
-  pelvis = 0,
-  left_hip = 1,
-  right_hip = 2,
-  left_knee = 4,
-  left_ankle = 7,
-  left_foot = 10,
-  right_foot = 11,
-  spine3 = 9,
-  head = 15,
-  left_shoulder = 16,
-  right_shoulder = 17
-};
 
 // The joints up to the shoulders, which all below is made of.
 constexpr std::size_t kLooked = 18;
@@ -69,15 +57,15 @@ void pose(const Clip& clip, Eigen::Index frame, const RestJoints& rest,
   }
 }
 
-double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegrees;
+double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return angle_between(a, b) * kDegrees;
 }
 
-// The angle between what of both lies across `axis`.
+// Degrees between what of both lies across `axis`.
 double angle_around(const Eigen::Vector3d& axis, const Eigen::Vector3d& a,
                     const Eigen::Vector3d& b) {
   const Eigen::Vector3d n = axis.normalized();
-  return angle(a - a.dot(n) * n, b - b.dot(n) * n);
+  return degrees_between(a - a.dot(n) * n, b - b.dot(n) * n);
 }
 
 // A point of a sole and its height: the one of a foot (0: left) that is lowest.
@@ -128,15 +116,15 @@ class Measure {
   void look(Eigen::Index frame) {
     pose(clip_, frame, rest_, kBody, now_);
     const Eigen::Vector3d trunk =
-        now_.bone(left_hip, left_shoulder) + now_.bone(right_hip, right_shoulder);
-    const Eigen::Vector3d hips = now_.bone(right_hip, left_hip),
-                          shoulders = now_.bone(right_shoulder, left_shoulder);
+        now_.bone(kLeftHip, kLeftShoulder) + now_.bone(kRightHip, kRightShoulder);
+    const Eigen::Vector3d hips = now_.bone(kRightHip, kLeftHip),
+                          shoulders = now_.bone(kRightShoulder, kLeftShoulder);
     if (frame == 0) {
       out_.trunk = 0.5 * trunk;
       out_.hip_line = hips;
       out_.shoulder_line = shoulders;
-      out_.head = now_.bone(pelvis, head);
-      out_.feet = {now_.bone(left_ankle, left_foot), now_.bone(left_ankle + 1, right_foot)};
+      out_.head = now_.bone(kPelvis, kHead);
+      out_.feet = {now_.bone(kLeftAnkle, kLeftFoot), now_.bone(kLeftAnkle + 1, kRightFoot)};
     }
     add_trunk(trunk, hips, shoulders);
     for (std::size_t side = 0; side < 2; ++side) add_leg(side, hips);
@@ -146,9 +134,9 @@ class Measure {
 
   void add_trunk(const Eigen::Vector3d& trunk, const Eigen::Vector3d& hips,
                  const Eigen::Vector3d& shoulders) {
-    const double lean = angle(trunk, Eigen::Vector3d::UnitY());
+    const double lean = degrees_between(trunk, Eigen::Vector3d::UnitY());
     const double twist = angle_around(trunk, hips, shoulders);
-    const Eigen::Matrix3d& turned = now_.rotations[head];
+    const Eigen::Matrix3d& turned = now_.rotations[kHead];
     const double head_turn = angle_around(trunk, turned.col(2), shoulders.cross(trunk));
     out_.lean += lean;
     out_.twist += twist;
@@ -157,42 +145,42 @@ class Measure {
     out_.upside_down += lean > 120;
     out_.hips_across += twist > 60;
     out_.shoulders_folded += shoulders.norm() < 0.7 * (rest_.row(16) - rest_.row(17)).norm();
-    const bool head_down = angle(turned.col(1), trunk) > 120;
+    const bool head_down = degrees_between(turned.col(1), trunk) > 120;
     out_.head_down += head_down;
     out_.head_backwards += head_turn > 110 && !head_down;
   }
 
   void add_leg(std::size_t side, const Eigen::Vector3d& hips) {
-    const Eigen::Vector3d thigh = now_.bone(left_hip + side, left_knee + side),
-                          shin = now_.bone(left_knee + side, left_ankle + side),
-                          foot = now_.bone(left_ankle + side, left_foot + side);
+    const Eigen::Vector3d thigh = now_.bone(kLeftHip + side, kLeftKnee + side),
+                          shin = now_.bone(kLeftKnee + side, kLeftAnkle + side),
+                          foot = now_.bone(kLeftAnkle + side, kLeftFoot + side);
     // Of a foot whose sole is not below it, as that of a runner's leg behind, the floor says
     // nothing.
-    const Eigen::Matrix3d& ankle = now_.rotations[left_ankle + side];
+    const Eigen::Matrix3d& ankle = now_.rotations[kLeftAnkle + side];
     const Eigen::Vector3d flat(foot.x(), 0, foot.z()),
         facing = hips.cross(Eigen::Vector3d::UnitY());
     if (ankle(1, 1) > 0.5 && facing.norm() > 0.5 * hips.norm()) {
-      const double turn = angle(flat, facing);
+      const double turn = degrees_between(flat, facing);
       out_.feet_turn[side] += turn;
       out_.feet_backwards[side] += turn > 110;
       ++feet_[side];
     }
     // The trace of a rotation is 1 + 2 cos(angle); cos(100 degrees) is -0.1736.
-    const double trace = now_.rotations[left_knee + side].cwiseProduct(ankle).sum();
+    const double trace = now_.rotations[kLeftKnee + side].cwiseProduct(ankle).sum();
     out_.ankles_turned[side] += trace < 1 + 2 * -0.1736;
     // Knee and ankle bend about opposite axes: the toes point to where the knee does.
     out_.knees_backwards[side] +=
-        angle(thigh, shin) > 20 && thigh.cross(shin).dot(shin.cross(foot)) > 0;
+        degrees_between(thigh, shin) > 20 && thigh.cross(shin).dot(shin.cross(foot)) > 0;
   }
 
   void add_heights() {
-    const double crown = (now_.positions[head] + now_.rotations[head] * kCrown).y();
+    const double crown = (now_.positions[kHead] + now_.rotations[kHead] * kCrown).y();
     for (std::size_t side = 0; side < 2; ++side) soles_[side] = lowest_point(now_, side);
     const double sole = std::min(soles_[0].height, soles_[1].height);
     out_.height = std::max(out_.height, crown - sole);
     lowest_soles_.push_back(sole);
     feet_heights_.push_back(
-        std::min(now_.positions[left_foot].y(), now_.positions[right_foot].y()));
+        std::min(now_.positions[kLeftFoot].y(), now_.positions[kRightFoot].y()));
   }
 
   void add_steps(Eigen::Index frame) {
@@ -208,7 +196,7 @@ class Measure {
                         100 * std::hypot(moved.x(), moved.z()) / seconds};
     }
     steps_.push_back(contacts);
-    const Eigen::Vector3d moved = then_.positions[pelvis] - now_.positions[pelvis];
+    const Eigen::Vector3d moved = then_.positions[kPelvis] - now_.positions[kPelvis];
     out_.travel += 100 * std::hypot(moved.x(), moved.z()) / seconds;
   }
 

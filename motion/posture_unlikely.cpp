@@ -10,7 +10,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kMost = 0.5;                 // of the frames
+constexpr double kMostFrames = 0.5;           // of the frames
 constexpr double kUnder = 0.05;               // metres a sole may lie under the floor
 constexpr double kOver = 0.20;                // and the lower foot over it
 constexpr double kSlide = 30;                 // cm/s, and
@@ -39,18 +39,18 @@ void add_heights(const BodyPosture& posture, std::vector<Remark>& found) {
 }
 
 void add_directions(const BodyPosture& posture, std::vector<Remark>& found) {
-  if (posture.upside_down > kMost)
+  if (posture.upside_down > kMostFrames)
     found.push_back({"trunk upside down", "the trunk is upside down in " +
                                               percent(posture.upside_down) +
                                               ": another axis may point up (--up)"});
-  else if (posture.lying > kMost)
+  else if (posture.lying > kMostFrames)
     found.push_back({"trunk lying", "the trunk lies, leaning by " + format_fixed(posture.lean, 0) +
                                         " degrees on average: another axis may point up (--up)"});
-  if (posture.hips_across > kMost)
+  if (posture.hips_across > kMostFrames)
     found.push_back({"hips across the shoulders", "the hips are turned against the shoulders by " +
                                                       format_fixed(posture.twist, 0) +
                                                       " degrees on average"});
-  if (posture.shoulders_folded > kMost)
+  if (posture.shoulders_folded > kMostFrames)
     found.push_back({"shoulders folded in", "the shoulders are folded in, " +
                                                 centimetres(posture.shoulder_line.norm()) +
                                                 " apart in the first frame"});
@@ -62,7 +62,7 @@ void add_directions(const BodyPosture& posture, std::vector<Remark>& found) {
         {"head backwards", "the face points backwards in " + percent(posture.head_backwards)});
   const char* const sides[] = {"left", "right"};
   for (std::size_t side = 0; side < 2; ++side) {
-    if (posture.feet_backwards[side] > kMost)
+    if (posture.feet_backwards[side] > kMostFrames)
       found.push_back({"feet backwards", std::string("the ") + sides[side] +
                                              " foot points backwards in " +
                                              percent(posture.feet_backwards[side])});

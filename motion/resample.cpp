@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/text.h"
 #include "motion/rotation.h"
@@ -16,11 +17,10 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Two times this close (in source frames) are the same frame: 119.99999999 / 60 takes every second
 // one.
 constexpr double kSameFrame = 1e-7;
-constexpr double kMaxFrames = 2e6;
+constexpr double kMaxResampled = 2e6;
 
 using FrameQuaternions = std::array<Eigen::Quaterniond, kJoints>;
 
@@ -73,9 +73,9 @@ Eigen::Quaterniond between(const Eigen::Quaterniond& a, Eigen::Quaterniond b, do
 Eigen::Index frames_at(const Clip& clip, double fps) {
   const double last = static_cast<double>(clip.frames() - 1);
   const double count = std::floor((last + kSameFrame) * (fps / clip.fps)) + 1;
-  if (count > kMaxFrames && fps > clip.fps)
+  if (count > kMaxResampled && fps > clip.fps)
     throw UsageError("\"" + clip.name + "\" at " + format_number(fps) + " frames per second has " +
-                     format_number(count) + " frames, more than " + format_number(kMaxFrames) +
+                     format_number(count) + " frames, more than " + format_number(kMaxResampled) +
                      ": ask for a lower rate");
   return static_cast<Eigen::Index>(count);
 }

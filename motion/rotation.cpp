@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/taylor.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 double wrap(double angle) {
-  const double wrapped = std::remainder(angle, 2 * kPi);
+  const double wrapped = std::remainder(angle, kTurn);
   return wrapped == -kPi ? kPi : wrapped;
 }
 
@@ -119,9 +118,9 @@ Eigen::Vector3d continuous_axis_angle(const Eigen::Vector3d& axis_angle,
                                                         : Eigen::Vector3d::UnitX();
   Eigen::Vector3d best = shortest;
   double best_distance = (shortest - previous).squaredNorm();
-  const int turns = static_cast<int>(std::ceil(limit * std::sqrt(3.0) / (2 * kPi))) + 1;
+  const int turns = static_cast<int>(std::ceil(limit * std::sqrt(3.0) / kTurn)) + 1;
   for (int k = -turns; k <= turns; ++k) {
-    const Eigen::Vector3d candidate = (angle + 2 * kPi * k) * axis;
+    const Eigen::Vector3d candidate = (angle + kTurn * k) * axis;
     if (candidate.cwiseAbs().maxCoeff() > limit) continue;
     const double distance = (candidate - previous).squaredNorm();
     if (distance < best_distance - 1e-12) {

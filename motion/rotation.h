@@ -19,6 +19,7 @@ Eigen::Quaterniond quaternion_from_matrix(const Eigen::Matrix3d& matrix);
 // Axes in the order in which they are written: {2, 0, 1} is ZXY, R = R_z(a0) R_x(a1) R_y(a2),
 // radians.
 using EulerOrder = std::array<int, 3>;
+inline constexpr EulerOrder kZxy = {2, 0, 1};
 Eigen::Matrix3d matrix_from_euler(const Eigen::Vector3d& angles, const EulerOrder& order);
 // Middle angle in [-pi/2, pi/2], the others in (-pi, pi]; at the gimbal lock the third angle is 0.
 // `order` must name three different axes.

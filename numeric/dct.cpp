@@ -3,13 +3,11 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/angles.h"
+
 namespace mocaplm {
 
-namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 Eigen::MatrixXd dct_matrix(Eigen::Index n) {
   assert(n >= 1);

@@ -3,19 +3,15 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/angles.h"
+
 namespace mocaplm {
-
-namespace {
-
-constexpr double kTwoPi = 6.28318530717958647692;
-
-}  // namespace
 
 Eigen::VectorXd hann_window(Eigen::Index n) {
   assert(n >= 1);
   Eigen::VectorXd window(n);
   for (Eigen::Index t = 0; t < n; ++t)
-    window[t] = (1 - std::cos(kTwoPi * static_cast<double>(t) / static_cast<double>(n))) / 2;
+    window[t] = (1 - std::cos(kTurn * static_cast<double>(t) / static_cast<double>(n))) / 2;
   return window;
 }
 
@@ -26,7 +22,7 @@ Eigen::MatrixXd stft_basis(Eigen::Index n) {
   for (Eigen::Index k = 0; k < bins; ++k)
     for (Eigen::Index t = 0; t < n; ++t) {
       // The product modulo n keeps the angle small, so that the sine of half a turn is 0.
-      const double angle = kTwoPi * static_cast<double>(k * t % n) / static_cast<double>(n);
+      const double angle = kTurn * static_cast<double>(k * t % n) / static_cast<double>(n);
       basis(k, t) = window[t] * std::cos(angle);
       basis(bins + k, t) = -window[t] * std::sin(angle);
     }

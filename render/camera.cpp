@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
+
 namespace mocaplm {
 
 namespace {
 
-constexpr double kFieldOfView = 24 * 3.14159265358979323846 / 180;  // of the picture's height
+constexpr double kFieldOfView = 24 * kPi / 180;  // of the picture's height
 constexpr float kMargin = 1.04f;
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/angles.h"
 #include "motion/skeleton.h"
 #include "render/layer.h"
 
@@ -9,7 +10,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kRadians = 3.14159265358979323846 / 180;
 constexpr int kFigureColour = 0x4f79ea, kPaleLight = 0xe3e8f6, kPaleDark = 0x3a4266;
 constexpr double kSmoothSeconds = 0.6;  // of the followed way, to each side
 

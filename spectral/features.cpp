@@ -16,7 +16,7 @@ namespace {
 // Courses that the components over time are learned from: enough for 4096 x 4096 covariances.
 constexpr Eigen::Index kMostCourses = 60000;
 // Rows that are reduced at once.
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kWindowsAtOnce = 256;
 
 }  // namespace
 
@@ -87,8 +87,8 @@ Series FeatureMaker::rows(const std::vector<Series>& windows) const {
       raw_row(windows[w], out.row(static_cast<Eigen::Index>(w)).data());
     return out;
   }
-  for (std::size_t first = 0; first < windows.size(); first += kBlock) {
-    const std::size_t count = std::min(kBlock, windows.size() - first);
+  for (std::size_t first = 0; first < windows.size(); first += kWindowsAtOnce) {
+    const std::size_t count = std::min(kWindowsAtOnce, windows.size() - first);
     Series raw(static_cast<Eigen::Index>(count), raw_);
     for (std::size_t w = 0; w < count; ++w)
       raw_row(windows[first + w], raw.row(static_cast<Eigen::Index>(w)).data());

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/angles.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 #include "spectral/frequencies.h"
@@ -14,7 +15,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kStill = 1e-20;  // squared radians: rounding, no movement
 
 }  // namespace

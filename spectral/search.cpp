@@ -13,7 +13,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr Eigen::Index kBlock = 8192;  // rows that one worker takes at once
+constexpr Eigen::Index kRowsAWorker = 8192;  // rows that one worker takes at once
 constexpr std::size_t kRefined = 512;  // rows compared in full before the bound is looked at again
 constexpr std::size_t kPart = 128;     // of them, by one worker
 constexpr Eigen::Index kQueries = 64;  // of many, in one product
@@ -134,15 +134,15 @@ class Search {
 
  private:
   std::size_t blocks() const {
-    return static_cast<std::size_t>((index_.size() + kBlock - 1) / kBlock);
+    return static_cast<std::size_t>((index_.size() + kRowsAWorker - 1) / kRowsAWorker);
   }
 
   void bound_all() {
     bounds_.resize(index_.size());
     std::vector<Best> best(blocks(), Best(k_));
     parallel_for(blocks(), threads_, [&](std::size_t b) {
-      const Eigen::Index first = static_cast<Eigen::Index>(b) * kBlock;
-      const Eigen::Index count = std::min(kBlock, index_.size() - first);
+      const Eigen::Index first = static_cast<Eigen::Index>(b) * kRowsAWorker;
+      const Eigen::Index count = std::min(kRowsAWorker, index_.size() - first);
       const auto keys = sketch_.size() > 0 ? index_.coarse() : index_.rows();
       auto bounds = bounds_.segment(first, count);
       bounds.noalias() = keys.middleRows(first, count) * key_;
@@ -183,8 +183,8 @@ class Search {
     std::vector<std::vector<Ranked>> parts(blocks());
     std::vector<std::int64_t> sketched(blocks());
     parallel_for(blocks(), threads_, [&](std::size_t b) {
-      const Eigen::Index first = static_cast<Eigen::Index>(b) * kBlock;
-      const Eigen::Index last = std::min(first + kBlock, index_.size());
+      const Eigen::Index first = static_cast<Eigen::Index>(b) * kRowsAWorker;
+      const Eigen::Index last = std::min(first + kRowsAWorker, index_.size());
       for (Eigen::Index row = first; row < last; ++row) {
         if (bounds_[row] < least || !in_scope(index_, scope_, row) ||
             std::binary_search(compared.begin(), compared.end(), row))

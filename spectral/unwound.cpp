@@ -1,5 +1,6 @@
 #include "spectral/unwound.h"
 
+#include "common/angles.h"
 #include "motion/resample.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
@@ -8,7 +9,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kManyTurns = 64 * kPi;
 
 // Rewrites the first frame's rotation vectors, each by change(joint, vector), and lets the others

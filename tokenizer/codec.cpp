@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/text.h"
 #include "motion/resample.h"
@@ -15,7 +16,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kPelvis = 0;
 // A vector this close to the frame before is its continuation: the other vectors of its rotation
 // are whole turns away.

@@ -11,7 +11,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr const char* kFormat = "mocaplm corpus";
+constexpr const char* kCorpusFormat = "mocaplm corpus";
 
 bool plain_name(const std::string& name) {
   if (name.empty() || name.size() > 200 || name[0] == '.') return false;
@@ -27,7 +27,7 @@ std::int64_t frames_told(const AnyTokenizer& tokenizer, const std::vector<std::i
 
 Json index_json(const AnyTokenizer& tokenizer, const std::vector<CorpusClip>& clips) {
   Json json;
-  json["format"] = kFormat;
+  json["format"] = kCorpusFormat;
   json["version"] = 1;
   json["tokenizer"] = tokenizer.fingerprint();
   Json lines = Json::array();
@@ -67,7 +67,7 @@ void read_index_entry(JsonObject& entry, std::size_t line, const AnyTokenizer& t
 void read_index(const std::filesystem::path& path, const AnyTokenizer& tokenizer,
                 std::vector<CorpusClip>& clips) {
   JsonObject object(load_json(path), path.string());
-  object.choice("format", {kFormat});
+  object.choice("format", {kCorpusFormat});
   object.integer("version", 1, 1);
   const std::string fingerprint = object.text("tokenizer");
   if (fingerprint != tokenizer.fingerprint())

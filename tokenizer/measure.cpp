@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/text.h"
 #include "motion/resample.h"
 #include "motion/rotation.h"
@@ -10,8 +11,6 @@
 namespace mocaplm {
 
 namespace {
-
-constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 void add(double value, double& sum, double& max) {
   sum += value;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/settings.h"
 #include "motion/resample.h"
@@ -16,8 +17,8 @@ namespace mocaplm {
 namespace {
 
 // No component of a rotation vector is larger; two turns give way to nearly all dances.
-constexpr double kLargest = 4 * 3.14159265358979323846;
-constexpr double kNothing = 1e-9;                    // smaller coefficients are rounding
+constexpr double kLargest = 4 * kPi;
+constexpr double kRounding = 1e-9;                   // smaller coefficients are rounding
 constexpr std::size_t kMostRows = 300000;            // that components are fitted on
 constexpr std::size_t kMostIndependentRows = 40000;  // FastICA goes over them many times
 constexpr std::size_t kMostCoefficients = 8000000;   // that bins are fitted on
@@ -134,7 +135,7 @@ double TileTokenizer::least_kept(const Eigen::Ref<const Eigen::MatrixXd>& tile) 
     for (Eigen::Index k = 0; k < tile.rows(); ++k) sizes.push_back(std::abs(tile(k, c)));
   const auto last = sizes.begin() + static_cast<std::ptrdiff_t>(kept - 1);
   std::nth_element(sizes.begin(), last, sizes.end(), std::greater<>());
-  return std::max({*last, tiles_.threshold, kNothing});
+  return std::max({*last, tiles_.threshold, kRounding});
 }
 
 void TileTokenizer::fit_bins(const std::vector<Eigen::MatrixXd>& values) {

@@ -10,7 +10,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kTilesVersion = 1;
 
 std::vector<double> flat(const Eigen::MatrixXd& matrix) {
   std::vector<double> numbers;
@@ -64,7 +64,7 @@ void append_exact(std::string& text, const Eigen::MatrixXd& matrix) {
 }  // namespace
 
 std::string TileTokenizer::fingerprint() const {
-  std::string all = std::string(kFormat) + " version " + std::to_string(kVersion) + " " +
+  std::string all = std::string(kFormat) + " version " + std::to_string(kTilesVersion) + " " +
                     settings_json(frames_).dump() + settings_json(tiles_).dump();
   append_exact(all, basis_.mean);
   append_exact(all, basis_.analysis);
@@ -76,7 +76,7 @@ std::string TileTokenizer::fingerprint() const {
 Json TileTokenizer::to_json() const {
   Json json;
   json["format"] = kFormat;
-  json["version"] = kVersion;
+  json["version"] = kTilesVersion;
   json["settings"] = settings_json(frames_);
   json["tiles"] = settings_json(tiles_);
   Json& basis = json["components"];
@@ -95,7 +95,7 @@ Json TileTokenizer::to_json() const {
 TileTokenizer TileTokenizer::from_json(const Json& json, const std::string& place) {
   JsonObject object(json, place);
   object.choice("format", {kFormat});
-  object.integer("version", kVersion, kVersion);
+  object.integer("version", kTilesVersion, kTilesVersion);
   TokenizerConfig frames;
   JsonObject settings = object.object("settings");
   require_all(settings, frames);

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/settings.h"
 #include "motion/skeleton.h"
@@ -13,7 +14,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Frames that quantile bins are fitted on at most: 7 hours at 20 a second, then every second, ...
 constexpr std::size_t kMostFitted = 500000;
 

@@ -12,8 +12,8 @@ namespace mocaplm {
 
 namespace {
 
-constexpr const char* kFormat = "mocaplm tokenizer";
-constexpr std::int64_t kVersion = 1;
+constexpr const char* kTokenizerFormat = "mocaplm tokenizer";
+constexpr std::int64_t kTokenizerVersion = 1;
 constexpr std::size_t kMaxLabelValues = 1 << 20;
 
 std::string exact(double value) {
@@ -30,8 +30,8 @@ std::string range_key(const std::string& channel) {
 }  // namespace
 
 std::string Tokenizer::fingerprint() const {
-  std::string all = "version " + std::to_string(kVersion) + " bins " + std::to_string(bins()) +
-                    " fps " + exact(config_.fps);
+  std::string all = "version " + std::to_string(kTokenizerVersion) + " bins " +
+                    std::to_string(bins()) + " fps " + exact(config_.fps);
   for (int c = 0; c < channels(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     all += " " + channel_name(c) + " " + exact(low_[i]) + " " + exact(high_[i]);
@@ -49,8 +49,8 @@ std::string Tokenizer::fitted_name(std::size_t index) const {
 
 Json Tokenizer::to_json() const {
   Json json;
-  json["format"] = kFormat;
-  json["version"] = kVersion;
+  json["format"] = kTokenizerFormat;
+  json["version"] = kTokenizerVersion;
   json["settings"] = settings_json(config_);
   if (fitted_.empty()) json["settings"].erase("binning");  // as it was before there was a choice
   Json ranges = Json::object();
@@ -81,11 +81,11 @@ Tokenizer Tokenizer::of_model(const Json& json, const std::string& fingerprint,
 
 Tokenizer Tokenizer::from_json(const Json& json, const std::string& place) {
   JsonObject object(json, place);
-  object.choice("format", {kFormat});
+  object.choice("format", {kTokenizerFormat});
   const std::int64_t version = object.integer("version", 1);
-  if (version != kVersion)
+  if (version != kTokenizerVersion)
     object.fail("version", "is " + std::to_string(version) + ", this program reads version " +
-                               std::to_string(kVersion));
+                               std::to_string(kTokenizerVersion));
 
   TokenizerConfig config;
   config.root = "none";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/resample.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
@@ -12,9 +13,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-constexpr double kNothing = 1e-9;  // a vector shorter than this has no direction
+constexpr double kNoDirection = 1e-9;  // a vector shorter than this has no direction
 
 void measure_words(const TokenStream& stream, WordMeasure& measure) {
   std::int64_t length = 0;
@@ -67,7 +66,7 @@ void measure_positions(const std::vector<int>& joints, bool root, const Clip& or
 double vector_angle(const Eigen::Ref<const Eigen::VectorXd>& a,
                     const Eigen::Ref<const Eigen::VectorXd>& b) {
   const double of_a = a.norm(), of_b = b.norm();
-  const bool no_a = of_a < kNothing, no_b = of_b < kNothing;
+  const bool no_a = of_a < kNoDirection, no_b = of_b < kNoDirection;
   if (no_a || no_b) return no_a && no_b ? 0 : kPi / 2;
   // The same angle as the arccos, without its loss of digits near 0 (Kahan).
   double difference = 0, sum = 0;
@@ -112,7 +111,7 @@ TokenStream measure_clip(const AnyTokenizer& tokenizer, const Clip& clip, WordMe
 
 Table word_table(const WordMeasure& measure, const std::string& title,
                  const std::string& fingerprint) {
-  constexpr double kDegrees = 180 / kPi, kContext = 1024;
+  constexpr double kContext = 1024;
   Table table(title, {"quantity", "value", "unit"});
   table.row({"clips", measure.clips, ""});
   table.row({"frames", measure.frames, ""});

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/parallel.h"
 #include "model/masked_input.h"
@@ -31,8 +32,6 @@ EncodedClip encode_clip(const Clip& clip, const StreamEncoding& encoding, Encode
   out.labels.assign(prefix.begin() + 1, prefix.end());
   return out;
 }
-
-constexpr double kTurn = 6.28318530717958647692;
 
 // The stream with the hidden channels of all frames masked; nothing else changes.
 std::vector<std::int32_t> without_channels(std::vector<std::int32_t> ids,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "model/safetensors.h"
 
@@ -41,7 +42,6 @@ std::int64_t restored_steps(const NamedTensor& tensor, const std::string& name,
 }  // namespace
 
 double scheduled_rate(const TrainConfig& config, std::int64_t step, double progress) {
-  constexpr double kPi = 3.14159265358979323846;
   if (step < config.warmup)
     return config.learning_rate * static_cast<double>(step + 1) /
            static_cast<double>(config.warmup);

@@ -15,11 +15,11 @@ namespace {
 
 using svg::number;
 
-constexpr double kWidth = 560;
+constexpr double kChartWidth = 560;
 // Of a name beside a picture; the whole one comes with the numbers.
 constexpr std::size_t kBarName = 18, kFieldName = 16;
 // Okabe and Ito 2008, the last method's (usually the model's own) first.
-constexpr const char* kColours[] = {"#0072b2", "#e69f00", "#9aa0ac", "#009e73", "#cc79a7"};
+constexpr const char* kMethodColours[] = {"#0072b2", "#e69f00", "#9aa0ac", "#009e73", "#cc79a7"};
 
 // A rectangle that tells its numbers.
 std::string told_rect(double x, double y, double width, double height, const std::string& more,
@@ -41,7 +41,7 @@ std::string percent(double value) {
 }
 
 const char* colour(std::size_t method, std::size_t methods) {
-  return kColours[(methods - 1 - method) % std::size(kColours)];
+  return kMethodColours[(methods - 1 - method) % std::size(kMethodColours)];
 }
 
 std::string legend(const std::vector<std::string>& names) {
@@ -121,9 +121,9 @@ std::string bars_svg(const BarChart& chart) {
   for (const BarChart::Row& row : chart.rows) names.push_back(row.name);
   const double bar = chart.methods.size() > 1 ? 9 : 15, top = 58;
   const double high = bar * static_cast<double>(chart.methods.size()) + 13;
-  const double left = 18 + longest(names, kBarName), right = kWidth - 80;
+  const double left = 18 + longest(names, kBarName), right = kChartWidth - 80;
   const double bottom = top + 8 + high * static_cast<double>(chart.rows.size());
-  std::string tags = svg::open(kWidth, bottom + 30, chart.title) + legend(chart.methods);
+  std::string tags = svg::open(kChartWidth, bottom + 30, chart.title) + legend(chart.methods);
   for (const int tick : {0, 25, 50, 75, 100}) {
     const double x = left + (right - left) * tick / 100;
     tags += "<line x1=\"" + number(x) + "\" y1=\"" + number(top) + "\" x2=\"" + number(x) +
@@ -148,10 +148,10 @@ std::string matrix_svg(const MatrixChart& chart) {
                      "columns of counts");
   // The last column's name leans over the right edge.
   const double names = longest(chart.classes, kFieldName), left = 44 + names;
-  const double room = kWidth - left - std::max(0.7 * names, 24.0);
+  const double room = kChartWidth - left - std::max(0.7 * names, 24.0);
   const double cell = std::min(room / static_cast<double>(classes), 52.0);
   const double top = 58 + 0.75 * names, side = cell * static_cast<double>(classes);
-  std::string tags = svg::open(kWidth, top + side + 18, chart.title);
+  std::string tags = svg::open(kChartWidth, top + side + 18, chart.title);
   tags += svg::text(20, top + side / 2, "middle", "true",
                     "transform=\"rotate(-90 20 " + number(top + side / 2) + ")\"");
   tags += svg::text(left - 12, top - 14, "end", "predicted");

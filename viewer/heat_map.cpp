@@ -15,7 +15,8 @@ namespace {
 
 using svg::number;
 
-constexpr double kPanel = 260, kHeight = 220, kLeft = 64, kGap = 24, kTop = 64, kBottom = 52;
+constexpr double kPanel = 260, kPanelHeight = 220, kPanelLeft = 64, kGap = 24, kPanelTop = 64,
+                 kPanelBottom = 52;
 constexpr Eigen::Index kMostColumns = 400;
 // Viridis (van der Walt and Smith 2015) at 0, 1/4, ... 1.
 constexpr double kViridis[5][3] = {
@@ -46,23 +47,24 @@ Eigen::MatrixXd few_columns(const Eigen::MatrixXd& values) {
 std::string panel_tags(const HeatMap& panel, double left, double low, double high, bool first) {
   const Eigen::MatrixXd values = few_columns(panel.values);
   const double width = kPanel / static_cast<double>(values.cols());
-  const double height = kHeight / static_cast<double>(values.rows());
+  const double height = kPanelHeight / static_cast<double>(values.rows());
   std::string tags = "<g shape-rendering=\"crispEdges\">\n";
   for (Eigen::Index c = 0; c < values.cols(); ++c)
     for (Eigen::Index r = 0; r < values.rows(); ++r)
       if (std::isfinite(values(r, c)))
         tags += "<rect x=\"" + number(left + width * static_cast<double>(c)) + "\" y=\"" +
-                number(kTop + kHeight - height * static_cast<double>(r + 1)) + "\" width=\"" +
-                number(width + 0.05) + "\" height=\"" + number(height + 0.05) + "\" fill=\"" +
-                colour(high > low ? (values(r, c) - low) / (high - low) : 0) + "\"/>\n";
-  tags += "</g>\n" + svg::text(left + kPanel / 2, kTop - 8, "middle", panel.title);
+                number(kPanelTop + kPanelHeight - height * static_cast<double>(r + 1)) +
+                "\" width=\"" + number(width + 0.05) + "\" height=\"" + number(height + 0.05) +
+                "\" fill=\"" + colour(high > low ? (values(r, c) - low) / (high - low) : 0) +
+                "\"/>\n";
+  tags += "</g>\n" + svg::text(left + kPanel / 2, kPanelTop - 8, "middle", panel.title);
   for (const double tick : plot_ticks(0, panel.x_high, false, 5))
-    tags +=
-        svg::text(left + kPanel * tick / panel.x_high, kTop + kHeight + 16, "middle", number(tick));
+    tags += svg::text(left + kPanel * tick / panel.x_high, kPanelTop + kPanelHeight + 16, "middle",
+                      number(tick));
   if (first)
     for (const double tick : plot_ticks(0, panel.y_high, false, 6))
-      tags += svg::text(left - 6, kTop + kHeight - kHeight * tick / panel.y_high + 4, "end",
-                        number(tick));
+      tags += svg::text(left - 6, kPanelTop + kPanelHeight - kPanelHeight * tick / panel.y_high + 4,
+                        "end", number(tick));
   return tags;
 }
 
@@ -79,15 +81,16 @@ std::string heat_maps_svg(const std::string& title, const std::string& x_label,
       }
   if (low > high) throw UsageError("there is nothing to draw: no finite values");
   const auto count = static_cast<double>(panels.size());
-  const double width = kLeft + count * (kPanel + kGap), height = kTop + kHeight + kBottom;
+  const double width = kPanelLeft + count * (kPanel + kGap),
+               height = kPanelTop + kPanelHeight + kPanelBottom;
   std::string tags = svg::open(width, height, title);
-  double left = kLeft;
+  double left = kPanelLeft;
   for (const HeatMap& panel : panels) {
-    if (panel.values.size() > 0) tags += panel_tags(panel, left, low, high, left == kLeft);
+    if (panel.values.size() > 0) tags += panel_tags(panel, left, low, high, left == kPanelLeft);
     left += kPanel + kGap;
   }
-  const double middle = kTop + kHeight / 2;
-  tags += svg::text((kLeft + width) / 2, height - 12, "middle", x_label);
+  const double middle = kPanelTop + kPanelHeight / 2;
+  tags += svg::text((kPanelLeft + width) / 2, height - 12, "middle", x_label);
   tags += svg::text(18, middle, "middle", y_label,
                     "transform=\"rotate(-90 18 " + number(middle) + ")\"");
   return tags + "</svg>\n";

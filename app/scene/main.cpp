@@ -1,4 +1,5 @@
 // mocaplm-scene FILE: a scene file as bytes (motion/formats/scene.h) on the standard output.
+// mocaplm-scene FILE --glb: the character of an .fbx as a .glb.
 // Started by read_scene for each file, so that a hostile one has little to take: 2 GiB of memory, a
 // minute of a processor, no file but its own and those beside a .gltf. Exit code 3 and a sentence
 // on the standard error for what is refused.
@@ -11,6 +12,7 @@
 #include <string>
 
 #include "app/scene/assimp_scene.h"
+#include "app/scene/character_glb.h"
 #include "common/error.h"
 
 namespace {
@@ -43,14 +45,18 @@ int refuse(const std::string& why) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 2) {
-    std::fprintf(stderr, "usage: mocaplm-scene FILE (started by mocaplm)\n");
+  const bool glb = count == 3 && std::string(arguments[2]) == "--glb";
+  if (count != 2 && !glb) {
+    std::fprintf(stderr, "usage: mocaplm-scene FILE [--glb] (started by mocaplm)\n");
     return static_cast<int>(mocaplm::ExitCode::usage);
   }
   set_limits();
   const std::string file = arguments[1];
   try {
-    return write_all(scene_bytes(mocaplm::read_with_assimp(file))) ? 0 : 1;
+    return write_all(glb ? mocaplm::character_glb(file)
+                         : scene_bytes(mocaplm::read_with_assimp(file)))
+               ? 0
+               : 1;
   } catch (const mocaplm::DataError& error) {
     // The one who asked names the file in its own way.
     const std::string text = error.what(), place = file + ": ";

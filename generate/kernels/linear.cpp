@@ -9,7 +9,7 @@ namespace mocaplm {
 
 namespace {
 
-std::int64_t values_a_word(Precision precision) {
+std::int64_t weights_a_word(Precision precision) {
   return precision == Precision::f32 ? 1 : precision == Precision::bf16 ? 2 : 4;
 }
 
@@ -27,7 +27,7 @@ LinearScratch::LinearScratch(std::int64_t widest)
 PackedLinear::PackedLinear(const float* weight, const float* bias, std::int64_t out,
                            std::int64_t in, Precision precision, Arena& arena)
     : precision_(precision), out_(out), in_(in) {
-  const std::int64_t values = values_a_word(precision);
+  const std::int64_t values = weights_a_word(precision);
   depth_ = (in + values - 1) / values;
   panels_ = (out + kPanel - 1) / kPanel;
   words_ = arena.words(panels_ * depth_ * kPanel);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/text.h"
 #include "gesture/juggling/ball_world.h"
@@ -91,8 +92,8 @@ class User {
   // The hand at `t` of its path, with a deviation that begins and ends without speed.
   State hand(double t) const {
     State state = path_.at(t);
-    const double tau = std::clamp(t / path_.seconds(), 0.0, 1.0), rate = M_PI / path_.seconds();
-    const double s = std::sin(M_PI * tau), c = std::cos(M_PI * tau);
+    const double tau = std::clamp(t / path_.seconds(), 0.0, 1.0), rate = kPi / path_.seconds();
+    const double s = std::sin(kPi * tau), c = std::cos(kPi * tau);
     // a sin^2 + b sin(pi tau) sin(2 pi tau) = (a + 2 b cos) sin^2
     state.position += (deviations_[0] + 2 * c * deviations_[1]) * s * s;
     state.velocity += rate * (2 * s * c * (deviations_[0] + 2 * c * deviations_[1]) -

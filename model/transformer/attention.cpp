@@ -9,6 +9,7 @@
 
 #include "model/transformer/cpu/attention.h"
 #include "model/transformer/dropout.h"
+#include "model/transformer/fused_parts.h"
 
 namespace mocaplm {
 
@@ -100,10 +101,6 @@ struct BlockedAttention : torch::autograd::Function<BlockedAttention> {
   }
 };
 
-cpu::bf16* halves(const at::Tensor& tensor) {
-  return reinterpret_cast<cpu::bf16*>(tensor.data_ptr<at::BFloat16>());
-}
-
 // The kernels of cpu/ as a differentiable function; what is saved is the input, the output and one
 // number a query.
 struct FusedAttention : torch::autograd::Function<FusedAttention> {
@@ -154,6 +151,10 @@ at::Tensor packed_causal_attention(const at::Tensor& qkv, std::int64_t free, dou
   if (qkv.device().is_cpu() && qkv.scalar_type() == at::kBFloat16 &&
       cpu::attention_available(qkv.size(4)))
     return FusedAttention::apply(qkv, free, dropout);
+  // LibTorch's products of bf16 round every sum on the way where the processor has none of its own,
+  // and take minutes.
+  if (qkv.device().is_cpu() && qkv.scalar_type() == at::kBFloat16)
+    return packed_causal_attention(qkv.to(at::kFloat), free, dropout).to(at::kBFloat16);
   // (3, B, H, T, D), one copy that makes every product contiguous
   const at::Tensor turned = qkv.permute({2, 0, 3, 1, 4}).contiguous();
   return causal_attention(turned[0], turned[1], turned[2], free, dropout).transpose(1, 2);

@@ -11,17 +11,17 @@ using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
 // What a pass leaves for the way back: x in f32, the rest in bf16 but for the norm's statistics.
-struct Held : torch::CustomClassHolder {
+struct HeldForward : torch::CustomClassHolder {
   FeedForwardWeights w;
   at::Tensor x, normed, stats, gelu, slope;
 };
 
 struct FusedFeedForward : torch::autograd::Function<FusedFeedForward> {
   static at::Tensor forward(AutogradContext* context, const at::Tensor& x, at::TensorList,
-                            const c10::intrusive_ptr<Held>& held) {
+                            const c10::intrusive_ptr<HeldForward>& held) {
     RECORD_USER_SCOPE("linears, forward");
     const cpu::BlockKernels& k = *cpu::block_kernels();
-    Held& h = *held;
+    HeldForward& h = *held;
     h.x = x.detach().contiguous();
     const std::int64_t rows = h.x.size(0), width = h.x.size(1), wide = h.w.up.weight.size(0);
     h.normed = half_matrix(rows, width);
@@ -43,7 +43,7 @@ struct FusedFeedForward : torch::autograd::Function<FusedFeedForward> {
 
   static variable_list backward(AutogradContext* context, const variable_list& grads) {
     const auto capsule = context->saved_data["held"].toCapsule();
-    const Held& h = static_cast<const Held&>(*capsule);
+    const HeldForward& h = static_cast<const HeldForward&>(*capsule);
     const cpu::BlockKernels& k = *cpu::block_kernels();
     const at::Tensor dout = grads[0].contiguous();
     const std::int64_t rows = h.x.size(0), width = h.x.size(1), wide = h.w.up.weight.size(0);
@@ -83,7 +83,7 @@ at::Tensor feed_forward(const FeedForwardWeights& w, const at::Tensor& x,
                           cpu::products_available(w.up.weight.size(1)) &&
                           cpu::products_available(w.down.weight.size(1));
   if (!on_kernels) return plain_feed_forward(w, x, precision);
-  const auto held = c10::make_intrusive<Held>();
+  const auto held = c10::make_intrusive<HeldForward>();
   held->w = w;
   const variable_list weights = {w.ln_w,    w.ln_b,        w.up.weight,
                                  w.up.bias, w.down.weight, w.down.bias};

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "model/input.h"
 
 namespace mocaplm {
@@ -31,8 +32,8 @@ at::Tensor frame_features(const at::Tensor& bin, std::int64_t bins) {
   const at::Tensor u = (2 * x + 1) / static_cast<double>(bins) - 1;
   std::vector<at::Tensor> parts = {u};
   for (const double times : {1., 2., 4.}) {
-    parts.push_back(at::sin(u * (times * M_PI)));
-    parts.push_back(at::cos(u * (times * M_PI)));
+    parts.push_back(at::sin(u * (times * kPi)));
+    parts.push_back(at::cos(u * (times * kPi)));
   }
   const at::Tensor step = change(x, 1), turn = change(step, 2);
   parts.push_back(at::asinh(step) * 0.5);

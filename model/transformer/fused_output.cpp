@@ -24,13 +24,13 @@ at::Tensor multiplied(const cpu::Product& product, std::int64_t rows, const floa
   return y;
 }
 
-struct Held : torch::CustomClassHolder {
+struct HeldWeights : torch::CustomClassHolder {
   LinearWeights weights;
 };
 
 struct FusedOutput : torch::autograd::Function<FusedOutput> {
   static at::Tensor forward(AutogradContext* context, const at::Tensor& given, const at::Tensor&,
-                            const at::Tensor&, const c10::intrusive_ptr<Held>& held) {
+                            const at::Tensor&, const c10::intrusive_ptr<HeldWeights>& held) {
     RECORD_USER_SCOPE("head and loss");
     const LinearWeights& w = held->weights;
     const at::Tensor x = rounded(given, given.size(1));
@@ -42,7 +42,7 @@ struct FusedOutput : torch::autograd::Function<FusedOutput> {
   static variable_list backward(AutogradContext* context, const variable_list& grads) {
     RECORD_USER_SCOPE("head and loss");
     const auto held = context->saved_data["held"].toCapsule();
-    const LinearWeights& w = static_cast<const Held&>(*held).weights;
+    const LinearWeights& w = static_cast<const HeldWeights&>(*held).weights;
     const at::Tensor x = context->get_saved_variables()[0];
     const std::int64_t outputs = w.weight.size(0);
     const at::Tensor dy = rounded(grads[0], outputs + outputs % 2);  // sums go by pairs
@@ -55,7 +55,7 @@ struct FusedOutput : torch::autograd::Function<FusedOutput> {
 }  // namespace
 
 at::Tensor fused_output_linear(const LinearWeights& weights, const at::Tensor& x) {
-  const auto held = c10::make_intrusive<Held>();
+  const auto held = c10::make_intrusive<HeldWeights>();
   held->weights = weights;
   return FusedOutput::apply(x, weights.weight, weights.bias, held);
 }

@@ -13,29 +13,25 @@ namespace {
 
 constexpr std::uintmax_t kMaxFile = std::uintmax_t{512} << 20;
 
-bool begins_with(std::string_view text, std::string_view begin) {
-  return text.substr(0, begin.size()) == begin;
-}
-
 // Files that are named as if they held arrays, and do not in a way that is read.
 std::string other_format(std::string_view head) {
-  if (begins_with(head, "\x89HDF")) return "an HDF5 file (.h5)";
-  if (begins_with(head, "BZh")) return "compressed by bzip2";
-  if (begins_with(head, std::string_view("\xfd\x37zXZ", 5))) return "compressed by xz";
-  if (begins_with(head, "\x5d\x00\x00\x80")) return "compressed by lzma";
-  if (begins_with(head, "\x04\x22\x4d\x18")) return "compressed by lz4";
-  if (begins_with(head, "\x28\xb5\x2f\xfd")) return "compressed by zstd";
-  if (begins_with(head, "{") || begins_with(head, "[")) return "a JSON text";
-  if (begins_with(head, "MATLAB")) return "a MATLAB file (.mat)";
-  if (begins_with(head, "version https://git-lfs"))
+  if (starts_with(head, "\x89HDF")) return "an HDF5 file (.h5)";
+  if (starts_with(head, "BZh")) return "compressed by bzip2";
+  if (starts_with(head, std::string_view("\xfd\x37zXZ", 5))) return "compressed by xz";
+  if (starts_with(head, "\x5d\x00\x00\x80")) return "compressed by lzma";
+  if (starts_with(head, "\x04\x22\x4d\x18")) return "compressed by lz4";
+  if (starts_with(head, "\x28\xb5\x2f\xfd")) return "compressed by zstd";
+  if (starts_with(head, "{") || starts_with(head, "[")) return "a JSON text";
+  if (starts_with(head, "MATLAB")) return "a MATLAB file (.mat)";
+  if (starts_with(head, "version https://git-lfs"))
     return "a Git LFS pointer, not the file itself: fetch it with 'git lfs pull'";
-  if (begins_with(head, "(") || begins_with(head, "c") || begins_with(head, "}"))
+  if (starts_with(head, "(") || starts_with(head, "c") || starts_with(head, "}"))
     return "a pickle of protocol 0 or 1 (Python 2)";
   return "";
 }
 
 ArrayDict from_bytes(std::string bytes, const std::string& file) {
-  if (begins_with(bytes, "\x93NUMPY")) {
+  if (starts_with(bytes, "\x93NUMPY")) {
     const std::string_view pickle = pickle_of_npy(bytes);
     if (pickle.empty()) {
       const NumpyArray array = parse_npy(bytes, file);
@@ -66,18 +62,18 @@ ArrayDict from_bytes(std::string bytes, const std::string& file) {
 ArrayDict ArrayDict::open(const fs::path& path) {
   const std::string file = path.string(), head = read_head(path, 8);
   if (head.empty()) throw DataError(in_file(file), "is empty");
-  if (begins_with(head, "PK\3\4") || begins_with(head, "PK\5\6")) return archived_dict(path);
+  if (starts_with(head, "PK\3\4") || starts_with(head, "PK\5\6")) return archived_dict(path);
   std::string bytes = read_file(path, kMaxFile);
   const bool zlib =
       head.size() >= 2 && head[0] == '\x78' &&
       ((static_cast<unsigned char>(head[0]) << 8 | static_cast<unsigned char>(head[1])) % 31 == 0);
-  if (zlib || begins_with(head, "\x1f\x8b")) bytes = inflate(bytes, file);
+  if (zlib || starts_with(head, "\x1f\x8b")) bytes = inflate(bytes, file);
   return from_bytes(std::move(bytes), file);
 }
 
 bool is_dict_npy(const fs::path& path) {
   const std::string head = read_head(path, 128);
-  return begins_with(head, "\x93NUMPY") &&
+  return starts_with(head, "\x93NUMPY") &&
          (head.find("'|O'") != std::string::npos || head.find("'O'") != std::string::npos);
 }
 

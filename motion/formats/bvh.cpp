@@ -3,13 +3,12 @@
 #include <cstdint>
 #include <cstring>
 
+#include "common/angles.h"
 #include "motion/taylor.h"
 
 namespace mocaplm {
 
 namespace {
-
-constexpr double kRadians = 3.14159265358979323846 / 180;
 
 std::uint64_t bits_of(double value) {
   std::uint64_t bits;

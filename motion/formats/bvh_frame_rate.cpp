@@ -10,8 +10,8 @@ namespace {
 
 // The rates of cameras, suits and screens. Where few digits fit several, the first of them: the
 // more common one.
-constexpr double kUsual[] = {30, 60,  120, 24,  25, 50,  100, 240, 90,  15, 20, 200, 144,
-                             72, 150, 180, 360, 10, 300, 480, 75,  500, 12, 48, 80,  1000};
+constexpr double kUsualRates[] = {30, 60,  120, 24,  25, 50,  100, 240, 90,  15, 20, 200, 144,
+                                  72, 150, 180, 360, 10, 300, 480, 75,  500, 12, 48, 80,  1000};
 
 // What one step of the last digit is worth, seconds: 0.001 of "0.017" and of "17e-3".
 double last_digit(std::string_view digits) {
@@ -28,11 +28,11 @@ double last_digit(std::string_view digits) {
 }
 
 std::optional<double> usual_rate(double seconds, double step) {
-  for (const double rate : kUsual)
+  for (const double rate : kUsualRates)
     if (std::abs(rate * seconds - 1) < 1e-9) return rate;
-  for (const double rate : kUsual)
+  for (const double rate : kUsualRates)
     if (std::abs(1 / rate - seconds) <= 0.5 * step * (1 + 1e-6)) return rate;
-  for (const double rate : kUsual)
+  for (const double rate : kUsualRates)
     if (1 / rate >= seconds && 1 / rate < seconds + step) return rate;
   return std::nullopt;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/text.h"
 #include "motion/rotation.h"
@@ -14,11 +15,10 @@ namespace {
 using Index = Eigen::Index;
 
 constexpr double kLongest = 1;  // second
-constexpr double kRadians = 3.14159265358979323846 / 180;
 
 // The frames [first, last) that lack a value, and the share of the way from the one before to the
 // one after that each has gone.
-struct Gap {
+struct LineGap {
   Index first, last;
   double share(Index frame) const {
     return static_cast<double>(frame - first + 1) / static_cast<double>(last - first + 1);
@@ -49,24 +49,24 @@ class Filler {
  private:
   // Calls `fill` for every run of frames in which one of the columns lacks its value.
   void each_gap(const BvhJoint& joint, const std::vector<Index>& columns,
-                const std::function<void(const Gap&)>& fill) const {
+                const std::function<void(const LineGap&)>& fill) const {
     const auto lacks = [&](Index t) {
       for (const Index column : columns)
         if (!std::isfinite(bvh_.values(t, column))) return true;
       return false;
     };
-    std::vector<Gap> gaps;
+    std::vector<LineGap> gaps;
     for (Index t = 0; t < bvh_.frames(); ++t) {
       if (!lacks(t)) continue;
       const Index first = t;
       while (t < bvh_.frames() && lacks(t)) ++t;
       gaps.push_back({first, t});
     }
-    for (const Gap& gap : gaps) check(joint, gap);
-    for (const Gap& gap : gaps) fill(gap);
+    for (const LineGap& gap : gaps) check(joint, gap);
+    for (const LineGap& gap : gaps) fill(gap);
   }
 
-  void check(const BvhJoint& joint, const Gap& gap) const {
+  void check(const BvhJoint& joint, const LineGap& gap) const {
     const double seconds = static_cast<double>(gap.last - gap.first) / fps_;
     const bool never = gap.first == 0 && gap.last == bvh_.frames();
     if (!never && seconds <= kLongest + 1e-9) return;
@@ -79,7 +79,7 @@ class Filler {
 
   void fill_line(const BvhJoint& joint, Index column, bool angle) {
     auto values = bvh_.values.col(column);
-    each_gap(joint, {column}, [&](const Gap& gap) {
+    each_gap(joint, {column}, [&](const LineGap& gap) {
       const double before = values(gap.first > 0 ? gap.first - 1 : gap.last);
       double way = values(gap.last < bvh_.frames() ? gap.last : gap.first - 1) - before;
       if (angle) way = std::remainder(way, 360);
@@ -96,7 +96,7 @@ class Filler {
         angles[i] = kRadians * bvh_.values(t, columns[static_cast<std::size_t>(i)]);
       return quaternion_from_matrix(matrix_from_euler(angles, order));
     };
-    each_gap(joint, columns, [&](const Gap& gap) {
+    each_gap(joint, columns, [&](const LineGap& gap) {
       const Eigen::Quaterniond before = rotation(gap.first > 0 ? gap.first - 1 : gap.last);
       const Eigen::Quaterniond after =
           rotation(gap.last < bvh_.frames() ? gap.last : gap.first - 1);

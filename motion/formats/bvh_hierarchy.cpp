@@ -4,14 +4,14 @@
 
 #include "common/text.h"
 #include "motion/formats/bvh_sections.h"
+#include "motion/formats/joint_limits.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr std::size_t kMaxJoints = 4096, kMaxDepth = 256;
-
-bool begins_with(std::string_view word, std::string_view begin) {
+// In any case.
+bool begins_with_word(std::string_view word, std::string_view begin) {
   return same_word(word.substr(0, begin.size()), begin);
 }
 
@@ -32,8 +32,9 @@ class HierarchyParser {
       } else if (same_word(found, "CHANNELS")) {
         channels(joint);
       } else if (same_word(found, "JOINT")) {
-        if (++depth > kMaxDepth)
-          in_.fail(in_.last, "joints are nested more than " + std::to_string(kMaxDepth) + " deep");
+        if (++depth > kMaxJointDepth)
+          in_.fail(in_.last,
+                   "joints are nested more than " + std::to_string(kMaxJointDepth) + " deep");
         open_joint(current);
         current = static_cast<int>(bvh_.joints.size()) - 1;
       } else if (is_end(found)) {
@@ -117,13 +118,14 @@ class HierarchyParser {
 
   // "End Site", as nearly all write; "EndSite" and "End_Site" in one word.
   static bool is_end(std::string_view word) {
-    return same_word(word, "End") || begins_with(word, "EndSite") || begins_with(word, "End_Site");
+    return same_word(word, "End") || begins_with_word(word, "EndSite") ||
+           begins_with_word(word, "End_Site");
   }
   // "End Site Head_end", "End Site_foo", "End Effector": the name says nothing that is needed.
   void end_site(std::string_view end, BvhJoint& joint) {
     const bool one_word = !same_word(end, "End");
     const std::string_view kind = in_.rest_of_line();
-    if (!one_word && !begins_with(kind, "Site") && !begins_with(kind, "Effector"))
+    if (!one_word && !begins_with_word(kind, "Site") && !begins_with_word(kind, "Effector"))
       in_.unexpected(kind.empty() ? in_.word() : kind, "Site");
     if (one_word || !same_word(kind, "Site")) {
       if (named_.empty())

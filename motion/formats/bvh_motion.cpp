@@ -16,8 +16,8 @@ namespace mocaplm {
 
 namespace {
 
-constexpr std::size_t kMaxFrames = 1000000;
-constexpr std::size_t kMaxValues = std::size_t{64} << 20;  // 512 MiB of doubles
+constexpr std::size_t kMaxBvhFrames = 1000000;
+constexpr std::size_t kMaxBvhValues = std::size_t{64} << 20;  // 512 MiB of doubles
 
 std::string count_of(std::size_t number, const std::string& what) {
   return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
@@ -44,7 +44,7 @@ class MotionParser {
  private:
   void header() {
     if (!keyword("Frames")) in_.unexpected(in_.word(), "Frames:");
-    announced_ = in_.count("the number of frames", kMaxFrames);
+    announced_ = in_.count("the number of frames", kMaxBvhFrames);
     if (keyword("FrameTime"))
       frame_time();
     else
@@ -117,17 +117,18 @@ class MotionParser {
     in_.skip_space();
     if (frames == room_ && in_.at < in_.end && !cut_line_) {
       const auto lines = static_cast<std::size_t>(std::count(in_.at, in_.end, '\n')) + 1;
-      room(frames + std::min({lines, possible, kMaxFrames + 1 - frames}));
+      room(frames + std::min({lines, possible, kMaxBvhFrames + 1 - frames}));
       frames = read_frames(frames);
-      if (frames > kMaxFrames)
-        in_.fail(in_.at, "has more than " + std::to_string(kMaxFrames) + " frames; split it");
+      if (frames > kMaxBvhFrames)
+        in_.fail(in_.at, "has more than " + std::to_string(kMaxBvhFrames) + " frames; split it");
     }
     check_end(frames);
     if (frames < room_)
       bvh_.values.conservativeResize(static_cast<Eigen::Index>(frames), Eigen::NoChange);
   }
   void room(std::size_t frames) {
-    if (frames * channels_ > kMaxValues) in_.fail(in_.at, "too much motion for one file; split it");
+    if (frames * channels_ > kMaxBvhValues)
+      in_.fail(in_.at, "too much motion for one file; split it");
     room_ = frames;
     bvh_.values.conservativeResize(static_cast<Eigen::Index>(frames),
                                    static_cast<Eigen::Index>(channels_));

@@ -1,18 +1,17 @@
 // Writing a clip as BVH text.
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/files.h"
 #include "common/text.h"
 #include "motion/formats/bvh.h"
 #include "motion/formats/skeletons.h"
 #include "motion/rotation.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-constexpr EulerOrder kOrder = {2, 0, 1};  // ZXY
 
 // How lengths are written: 1e-8 m or 1e-9 m whatever the unit.
 struct Lengths {
@@ -67,15 +66,11 @@ void append_joint(std::string& text, const OutSkeleton& skeleton, int index,
   text += indent + "}\n";
 }
 
-double nearest_turn(double angle, double previous) {
-  return angle + 2 * kPi * std::round((previous - angle) / (2 * kPi));
-}
-
 // The Euler angles of the same rotation nearest to those of the frame before, so that curves drawn
 // through them do not jump: (a, b, c) and (a + pi, pi - b, c + pi) are the same, as are whole
 // turns.
 Eigen::Vector3d continuous_euler(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& previous) {
-  const Eigen::Vector3d angles = euler_from_matrix(matrix, kOrder);
+  const Eigen::Vector3d angles = euler_from_matrix(matrix, kZxy);
   Eigen::Vector3d best = angles, other(angles[0] + kPi, kPi - angles[1], angles[2] + kPi);
   for (int i = 0; i < 3; ++i) {
     best[i] = nearest_turn(best[i], previous[i]);

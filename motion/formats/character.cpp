@@ -15,6 +15,7 @@
 #include "motion/formats/out_scheme.h"
 #include "motion/formats/rest_pose.h"
 #include "motion/formats/retarget_map.h"
+#include "motion/formats/scene_process.h"
 #include "motion/formats/skeletons.h"
 #include "motion/formats/source_figure.h"
 #include "motion/rotation.h"
@@ -27,8 +28,8 @@ namespace {
 using Quaternions = std::array<Eigen::Quaterniond, kJoints>;
 
 // Joints whose bones are laid as SMPL's lie at rest, with the joint at the bone's end.
-constexpr std::size_t kLimbs[][2] = {{16, 18}, {18, 20}, {17, 19}, {19, 21},
-                                     {1, 4},   {4, 7},   {2, 5},   {5, 8}};
+constexpr std::size_t kLaidBones[][2] = {{16, 18}, {18, 20}, {17, 19}, {19, 21},
+                                         {1, 4},   {4, 7},   {2, 5},   {5, 8}};
 
 // SMPL's joints by VRM's names for them.
 std::map<std::string, std::size_t> vrm_joints() {
@@ -216,7 +217,7 @@ void Character::Parts::recognise() {
 Quaternions Character::Parts::laid_as(const RestJoints& body) const {
   Quaternions laid;
   laid.fill(Eigen::Quaterniond::Identity());
-  for (const auto& limb : kLimbs) {
+  for (const auto& limb : kLaidBones) {
     const auto a = static_cast<Eigen::Index>(limb[0]), b = static_cast<Eigen::Index>(limb[1]);
     laid[limb[0]] =
         shortest_rotation(place(limb[1]) - place(limb[0]), (body.row(b) - body.row(a)).transpose());
@@ -236,7 +237,9 @@ double Character::Parts::ankles() const {
 }
 
 Character::Character(const std::filesystem::path& file) : parts_(std::make_unique<Parts>()) {
-  parts_->scene = read_gltf_scene(file);
+  parts_->scene = lower(file.extension().string()) == ".fbx"
+                      ? parse_gltf_scene(read_character_glb(file), file.string())
+                      : read_gltf_scene(file);
   parts_->pose_at_rest();
   parts_->recognise();
 }

@@ -1,6 +1,6 @@
 // A clip on a figure of the user's own: a .glb (or a VRM character, which is one) whose bones are
 // found gets the motion as an animation. Mesh, skin, materials, textures and everything else stay
-// as they are in the file.
+// as they are in the file. An .fbx becomes a .glb first (read_character_glb).
 //
 // Bones are found by what VRM says of them (VRMC_vrm 1.0 and VRM 0.x: humanoid.humanBones), else by
 // their names as those of a .bvh file are (detect_map). Each turns as the clip's joint does, seen
@@ -20,8 +20,8 @@ namespace mocaplm {
 
 class Character {
  public:
-  // Reads the file. Throws DataError: no .glb, damaged, its numbers not inside it, no humanoid
-  // bones found, not standing in a T- or A-pose.
+  // Reads the file. Throws DataError: no .glb or .fbx, damaged, its numbers not inside it, no
+  // humanoid bones found, not standing in a T- or A-pose.
   explicit Character(const std::filesystem::path& file);
   ~Character();
   Character(Character&&) noexcept;

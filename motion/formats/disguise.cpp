@@ -7,17 +7,9 @@ namespace mocaplm {
 
 namespace {
 
-bool begins_with(const std::string& text, const std::string& begin) {
-  return text.compare(0, begin.size(), begin) == 0;
-}
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 // Without a byte order mark and blanks before it, in lower case.
 std::string plain_text(const std::string& head) {
-  const std::size_t bom = begins_with(head, "\xEF\xBB\xBF") ? 3 : 0;
+  const std::size_t bom = starts_with(head, "\xEF\xBB\xBF") ? 3 : 0;
   const std::size_t first = head.find_first_not_of(" \t\r\n", bom);
   return first == std::string::npos ? "" : lower(head.substr(first));
 }
@@ -31,20 +23,20 @@ std::string first_entry(const std::string& head) {
 
 std::string what_it_is(const std::string& head, const std::string& extension) {
   const std::string text = plain_text(head);
-  if (begins_with(text, "version https://git-lfs.github.com/spec/"))
+  if (starts_with(text, "version https://git-lfs.github.com/spec/"))
     return "is a Git LFS pointer, not the file itself: run git lfs pull in the repository it came "
            "from (or download the file from its web page)";
-  if (begins_with(text, "<!doctype html") || begins_with(text, "<html"))
+  if (starts_with(text, "<!doctype html") || starts_with(text, "<html"))
     return "is a web page (HTML), saved in place of the file: download the file itself (on GitHub "
            "by \"Raw\")";
   const bool xml_is_right = extension == ".dae";
-  if (begins_with(text, "<?xml") && !xml_is_right)
+  if (starts_with(text, "<?xml") && !xml_is_right)
     return text.find("<error>") != std::string::npos
                ? "is a server's error message (XML), saved in place of the file: download it again"
                : "is an XML text, not motion";
-  if (begins_with(text, "404: not found") || begins_with(text, "{\"message\""))
+  if (starts_with(text, "404: not found") || starts_with(text, "{\"message\""))
     return "is a server's error message, saved in place of the file: download it again";
-  if (begins_with(head, "PK\3\4")) {
+  if (starts_with(head, "PK\3\4")) {
     const std::string entry = first_entry(head);
     // NumPy's and PyTorch's archives are meant to be such; all others were packed by somebody.
     const bool meant = extension == ".npz" || extension == ".pt" || extension == ".pth";
@@ -60,8 +52,8 @@ std::string what_it_is(const std::string& head, const std::string& extension) {
         {"7z\xBC\xAF", "is a 7z archive"},
         {"Rar!", "is a RAR archive"}})
     // joblib packs its pickles itself.
-    if (begins_with(head, magic) && extension != ".pkl") return name + ": unpack it";
-  if (extension == ".bvh" && (begins_with(head, "\xFF\xFE") || begins_with(head, "\xFE\xFF")))
+    if (starts_with(head, magic) && extension != ".pkl") return name + ": unpack it";
+  if (extension == ".bvh" && (starts_with(head, "\xFF\xFE") || starts_with(head, "\xFE\xFF")))
     return "is text in UTF-16: save it as plain text (UTF-8)";
   return "";
 }

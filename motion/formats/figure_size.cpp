@@ -23,7 +23,7 @@ constexpr Unit kUnits[] = {{0.01, "centimetres", 1.1, 2.3},
                            {0.0254 / 0.45, "1/0.45 inches (CMU)", 1.4, 2.1},
                            {0.1, "decimetres", 1.4, 2.1},
                            {0.3048, "feet", 1.4, 2.1}};
-constexpr int kUsual = 3;
+constexpr int kUsualUnits = 3;
 constexpr double kPerson = 1.70;
 
 double smpl_leg() {
@@ -38,7 +38,7 @@ double unit_of(double height, FigureSize& size) {
     const Unit& unit = kUnits[i];
     const double metres = height * unit.metres;
     if (metres < unit.least || metres > unit.most) continue;
-    if (i >= kUsual)
+    if (i >= kUsualUnits)
       size.remarks.push_back({"unit", std::string("lengths are read as ") + unit.name +
                                           ", with which the figure is " + format_fixed(metres, 2) +
                                           " m tall"});

@@ -79,18 +79,14 @@ bool is_scene(Format format) {
          format == Format::gltf || format == Format::dae;
 }
 
-bool begins_with(const std::string& text, const std::string& begin) {
-  return text.compare(0, begin.size(), begin) == 0;
-}
-
 Format by_content(const std::string& head) {
-  if (begins_with(head, "PK\3\4") || begins_with(head, "PK\5\6")) return Format::npz;
-  if (begins_with(head, "\x80")) return Format::pkl;
-  if (begins_with(head, "\x93NUMPY")) return Format::npy;
-  if (begins_with(head, "glTF")) return Format::glb;
-  if (begins_with(head, "Kaydara FBX Binary") || begins_with(head, "; FBX")) return Format::fbx;
+  if (starts_with(head, "PK\3\4") || starts_with(head, "PK\5\6")) return Format::npz;
+  if (starts_with(head, "\x80")) return Format::pkl;
+  if (starts_with(head, "\x93NUMPY")) return Format::npy;
+  if (starts_with(head, "glTF")) return Format::glb;
+  if (starts_with(head, "Kaydara FBX Binary") || starts_with(head, "; FBX")) return Format::fbx;
   if (head.find("<COLLADA") != std::string::npos) return Format::dae;
-  const std::size_t bom = begins_with(head, "\xef\xbb\xbf") ? 3 : 0;
+  const std::size_t bom = starts_with(head, "\xef\xbb\xbf") ? 3 : 0;
   const std::size_t word = head.find_first_not_of(" \t\r\n", bom);
   if (word == std::string::npos) return Format::unknown;
   if (lower(head.substr(word, 9)) == "hierarchy") return Format::bvh;

@@ -120,9 +120,12 @@ void check_lists(const GltfScene& scene) {
 }  // namespace
 
 GltfScene read_gltf_scene(const std::filesystem::path& path) {
+  return parse_gltf_scene(read_file(path), path.string());
+}
+
+GltfScene parse_gltf_scene(const std::string& bytes, const std::string& file) {
   GltfScene scene;
-  scene.file = path.string();
-  const std::string bytes = read_file(path);
+  scene.file = file;
   if (bytes.compare(0, 4, "glTF") != 0)
     throw DataError(at_byte(scene.file, 0), "is no .glb: it does not begin with \"glTF\"");
   if (u32(bytes, 4, scene.file) != 2)

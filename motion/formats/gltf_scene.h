@@ -38,6 +38,8 @@ struct GltfScene {
 // Throws DataError naming the file and the place: no .glb of version 2, cut off, no JSON, a tree
 // that is none, numbers that are not finite, a first buffer that lies outside the file.
 GltfScene read_gltf_scene(const std::filesystem::path& path);
+// The same for the bytes of a .glb that came of `file`.
+GltfScene parse_gltf_scene(const std::string& bytes, const std::string& file);
 
 // The file again with an animation before its own ones. Views and accessors of `buffer` come after
 // the file's; the animation must count them so. Nodes that it targets and that have a matrix get

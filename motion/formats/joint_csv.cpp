@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kDigits = 6;
 
-void append(std::string& text, double value) {
+void append_cell(std::string& text, double value) {
   append_fixed(text += ',', value, kDigits);
 }
 
@@ -23,9 +23,9 @@ std::string joint_csv(const Clip& clip) {
   text += '\n';
   for (Eigen::Index t = 0; t < clip.frames(); ++t) {
     text += std::to_string(t);
-    append(text, static_cast<double>(t) / clip.fps);
+    append_cell(text, static_cast<double>(t) / clip.fps);
     const JointPositions joints = joint_positions(clip, t);
-    for (Eigen::Index i = 0; i < joints.size(); ++i) append(text, joints.data()[i]);
+    for (Eigen::Index i = 0; i < joints.size(); ++i) append_cell(text, joints.data()[i]);
     text += '\n';
   }
   return text;

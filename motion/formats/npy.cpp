@@ -8,7 +8,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr std::string_view kMagic("\x93NUMPY", 6);
+constexpr std::string_view kNpyMagic("\x93NUMPY", 6);
 constexpr std::size_t kMaxHeader = 1 << 16;
 constexpr std::size_t kMaxDimensions = 32;  // numpy's own limit
 
@@ -138,11 +138,11 @@ void append_utf8(std::string& out, std::uint32_t code) {
 std::string with_header(const std::string& descr, const std::string& shape) {
   std::string header =
       "{'descr': '" + descr + "', 'fortran_order': False, 'shape': " + shape + ", }";
-  const std::size_t preamble = kMagic.size() + 4;
+  const std::size_t preamble = kNpyMagic.size() + 4;
   // The data begins at a multiple of 64.
   header.append(63 - (preamble + header.size()) % 64, ' ');
   header += '\n';
-  std::string bytes(kMagic);
+  std::string bytes(kNpyMagic);
   bytes += {1, 0, static_cast<char>(header.size() & 0xff), static_cast<char>(header.size() >> 8)};
   return bytes + header;
 }
@@ -156,7 +156,7 @@ NumpyArray parse_npy(std::string_view bytes, const std::string& file) {
 }
 
 NumpyArray parse_npy_header(std::string_view bytes, const std::string& file) {
-  if (bytes.substr(0, 6) != kMagic)
+  if (bytes.substr(0, 6) != kNpyMagic)
     throw DataError(at_byte(file, 0), "is not a .npy array: it does not begin with \\x93NUMPY");
   if (bytes.size() < 10)
     throw DataError(at_byte(file, bytes.size()), "ends inside the .npy header");

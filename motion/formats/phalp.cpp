@@ -10,16 +10,14 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kVideoFps = 30;
-
 // What one frame says of one person.
-struct Row {
+struct PersonFrame {
   std::size_t frame = 0;
   Eigen::Matrix<double, 1, 72> pose;
   Eigen::RowVector3d trans;
   std::vector<double> betas;
 };
-using Tracks = std::map<std::string, std::vector<Row>>;
+using Tracks = std::map<std::string, std::vector<PersonFrame>>;
 
 std::string number_text(const NumpyArray& array, std::size_t i) {
   return format_number(array.at(i, 0));
@@ -32,7 +30,7 @@ void add_phalp_frame(const ArrayDict& frame, std::size_t index, Tracks& tracks) 
   for (const std::string& i : people->keys()) {
     const auto smpl = people->dict(i);
     if (!smpl || !ids->has(i)) continue;
-    Row row;
+    PersonFrame row;
     row.frame = index;
     row.pose.setZero();
     const RotationVectors root = read_rotations(*smpl, "global_orient", {1}),
@@ -57,7 +55,7 @@ void add_romp_frame(const ArrayDict& frame, std::size_t index, Tracks& tracks) {
   NumpyArray ids;
   const bool tracked = frame.has("track_ids") && (ids = frame.array("track_ids")).rows() == people;
   for (std::size_t p = 0; p < people && trans.rows() == poses.rows(); ++p) {
-    Row row;
+    PersonFrame row;
     row.frame = index;
     row.pose = poses.row(static_cast<Eigen::Index>(p));
     row.trans = trans.row(static_cast<Eigen::Index>(p));
@@ -67,7 +65,7 @@ void add_romp_frame(const ArrayDict& frame, std::size_t index, Tracks& tracks) {
   }
 }
 
-SmplRecord record_of(const std::vector<Row>& rows, const std::string& program) {
+SmplRecord record_of(const std::vector<PersonFrame>& rows, const std::string& program) {
   SmplRecord record;
   record.program = program;
   record.usual_fps = kVideoFps;
@@ -86,7 +84,7 @@ SmplRecord record_of(const std::vector<Row>& rows, const std::string& program) {
   // The mean of the frames that have a shape.
   std::vector<double> sum(rows[0].betas.size(), 0.0);
   double count = 0;
-  for (const Row& row : rows) {
+  for (const PersonFrame& row : rows) {
     if (row.betas.size() != sum.size()) continue;
     for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += row.betas[b];
     ++count;

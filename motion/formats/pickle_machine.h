@@ -11,6 +11,7 @@
 
 namespace mocaplm {
 
+constexpr int kMaxPickleDepth = 4;
 constexpr std::size_t kMaxPickleValues = 1000000, kMaxPickleMemo = 1000000, kMaxPickleStack = 10000;
 
 class PickleMachine {

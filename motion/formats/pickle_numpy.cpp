@@ -2,6 +2,7 @@
 // __reduce__.
 #include <cstring>
 
+#include "common/text.h"
 #include "motion/formats/pickle_machine.h"
 
 namespace mocaplm {
@@ -53,10 +54,6 @@ constexpr const char* kGlobals[] = {"numpy.core.multiarray._reconstruct",
                                     "torch.ByteStorage",
                                     "torch.BoolStorage",
                                     "torch.Size"};
-
-bool ends_with(std::string_view text, std::string_view end) {
-  return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
-}
 
 bool is_text(const PickleValue& value) {
   return value.kind == PickleKind::text || value.kind == PickleKind::bytes;

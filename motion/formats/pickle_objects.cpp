@@ -6,8 +6,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr int kMaxDepth = 4;
-
 bool is_container(std::string_view name) {
   return name == "builtins.dict" || name == "__builtin__.dict" || name == "builtins.list" ||
          name == "__builtin__.list" || name == "builtins.set" || name == "__builtin__.set" ||
@@ -95,7 +93,7 @@ void PickleMachine::read_joblib_array(PickleValue& wrapper) {
   if (shape == nullptr || type == nullptr || order == nullptr || type->kind != PickleKind::type)
     fail("a joblib array lacks its shape, order or dtype");
   if (type->array.type.kind == 'O') {  // a pickle of its own
-    if (depth_ >= kMaxDepth) fail("pickles nested more than 4 deep");
+    if (depth_ >= kMaxPickleDepth) fail("pickles nested more than 4 deep");
     PickleMachine inner(bytes_.substr(at_), file_, pickle_, depth_ + 1);
     const PickleValue* value = inner.run();
     at_ += inner.read();

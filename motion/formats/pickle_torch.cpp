@@ -9,7 +9,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr int kMaxDepth = 4;
 constexpr std::size_t kMaxGathered = 4 << 20;  // elements
 
 }  // namespace
@@ -62,7 +61,7 @@ void PickleMachine::load_storage(const PickleValue& id) {
 
 void PickleMachine::load_storage_bytes(const PickleValue& bytes) {
   if (bytes.kind != PickleKind::bytes) fail("a storage in " + describe(bytes));
-  if (depth_ >= kMaxDepth) fail("pickles nested more than 4 deep");
+  if (depth_ >= kMaxPickleDepth) fail("pickles nested more than 4 deep");
   if ((nested_bytes_ += bytes.text.size()) > bytes_.size())
     fail("reads more storages than the file holds");
   std::string_view rest = bytes.text;

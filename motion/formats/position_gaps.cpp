@@ -10,13 +10,13 @@ namespace mocaplm {
 
 namespace {
 
-struct Gap {
+struct PointGap {
   Eigen::Index first = 0, last = 0;  // frames
   Eigen::Index frames() const { return last - first + 1; }
 };
 
-std::vector<Gap> gaps_of(const PointTracks& tracks, int point) {
-  std::vector<Gap> gaps;
+std::vector<PointGap> gaps_of(const PointTracks& tracks, int point) {
+  std::vector<PointGap> gaps;
   for (Eigen::Index t = 0; t < tracks.frames(); ++t) {
     if (tracks.at(t, point).allFinite()) continue;
     if (!gaps.empty() && gaps.back().last == t - 1)
@@ -32,7 +32,7 @@ bool is_needed(int point) {
   return std::find(needed.begin(), needed.end(), point) != needed.end();
 }
 
-void fill_gap(PointTracks& tracks, int point, const Gap& gap) {
+void fill_gap(PointTracks& tracks, int point, const PointGap& gap) {
   const Eigen::Index before = gap.first - 1, after = gap.last + 1;
   const bool has_before = before >= 0, has_after = after < tracks.frames();
   const Eigen::Vector3d from = tracks.at(has_before ? before : after, point),
@@ -44,7 +44,7 @@ void fill_gap(PointTracks& tracks, int point, const Gap& gap) {
   }
 }
 
-std::string length_text(const Gap& gap, double fps) {
+std::string length_text(const PointGap& gap, double fps) {
   return std::to_string(gap.frames()) + (gap.frames() == 1 ? " frame (" : " frames (") +
          format_fixed(static_cast<double>(gap.frames()) / fps, 2) + " s)";
 }
@@ -58,11 +58,11 @@ void close_gaps(PointTracks& tracks, bool fill, const std::string& file,
   for (int point = 0; point < kPoints; ++point) {
     const auto at = static_cast<std::size_t>(point);
     if (!tracks.given[at]) continue;
-    const std::vector<Gap> gaps = gaps_of(tracks, point);
+    const std::vector<PointGap> gaps = gaps_of(tracks, point);
     if (gaps.empty()) continue;
-    const auto worst = std::max_element(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) {
-      return a.frames() < b.frames();
-    });
+    const auto worst = std::max_element(
+        gaps.begin(), gaps.end(),
+        [](const PointGap& a, const PointGap& b) { return a.frames() < b.frames(); });
     const bool too_long =
         static_cast<double>(worst->frames()) > tracks.fps || worst->frames() == tracks.frames();
     if (too_long && !is_needed(point)) {
@@ -80,7 +80,7 @@ void close_gaps(PointTracks& tracks, bool fill, const std::string& file,
           at_joint(file, static_cast<std::size_t>(gaps.front().first), point_name(point)),
           "has no position (nan, empty or 0 0 0) for " + length_text(gaps.front(), tracks.fps) +
               "; with --fill-gaps places are interpolated over up to a second");
-    for (const Gap& gap : gaps) {
+    for (const PointGap& gap : gaps) {
       fill_gap(tracks, point, gap);
       filled += gap.frames();
       longest = std::max(longest, gap.frames());

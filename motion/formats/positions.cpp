@@ -167,9 +167,9 @@ ReadMotion read_position_array(const NumpyArray& array, const std::string& name,
 }
 
 bool holds_positions(const fs::path& path) {
-  constexpr std::uintmax_t kHead = 1 << 16;
+  constexpr std::uintmax_t kHeadBytes = 1 << 16;
   try {
-    const std::string head = read_head(path, kHead);
+    const std::string head = read_head(path, kHeadBytes);
     const std::string extension = lower(path.extension().string());
     if (extension == ".npy") return is_position_array(parse_npy_header(head, path.string()));
     if (extension == ".trc") return lower(head.substr(0, 12)) == "pathfiletype";

@@ -13,7 +13,7 @@ namespace mocaplm {
 namespace {
 
 // A limb's joints from the trunk outwards; -1 where there is none.
-struct Limb {
+struct LimbJoints {
   std::vector<int> path;
   int first = -1;                        // collar
   int root = -1, middle = -1, end = -1;  // hip, knee, ankle; shoulder, elbow, wrist
@@ -24,7 +24,7 @@ struct Limb {
 // Two limbs that mirror each other, hanging from one joint.
 struct Pair {
   int parent = -1;
-  Limb left, right;
+  LimbJoints left, right;
   double reach = 0;
   int leg_words = 0, arm_words = 0;
 };
@@ -131,7 +131,7 @@ class Recogniser {
     for (const Pair& pair : pairs_) {
       bool inside = false;
       for (const Pair& other : pairs_)
-        for (const Limb* limb : {&other.left, &other.right})
+        for (const LimbJoints* limb : {&other.left, &other.right})
           inside = inside || is_below(pair.parent, limb->path.front());
       if (!inside) outer.push_back(pair);
     }
@@ -152,7 +152,7 @@ class Recogniser {
     pair.right.path = limb_path(swapped ? a : b);
     pair.reach = std::min(reach_[static_cast<std::size_t>(a)] + length(a),
                           reach_[static_cast<std::size_t>(b)] + length(b));
-    for (const Limb* limb : {&pair.left, &pair.right})
+    for (const LimbJoints* limb : {&pair.left, &pair.right})
       for (const int joint : limb->path) {
         const Part p = part(joint);
         pair.arm_words += p >= Part::collar && p <= Part::finger;
@@ -199,20 +199,20 @@ class Recogniser {
     return false;
   }
 
-  int first_on(const Limb& limb, std::size_t from, std::initializer_list<Part> parts) const {
+  int first_on(const LimbJoints& limb, std::size_t from, std::initializer_list<Part> parts) const {
     for (std::size_t i = from; i < limb.path.size(); ++i)
       if (std::find(parts.begin(), parts.end(), part(limb.path[i])) != parts.end())
         return static_cast<int>(i);
     return -1;
   }
-  int joint_at(const Limb& limb, int index) const {
+  int joint_at(const LimbJoints& limb, int index) const {
     return index < 0 || index >= static_cast<int>(limb.path.size())
                ? -1
                : limb.path[static_cast<std::size_t>(index)];
   }
 
   // Places on the path: root, middle, end.
-  void name_leg(Limb& limb) const {
+  void name_leg(LimbJoints& limb) const {
     int root = first_on(limb, 0, {Part::thigh});
     if (root < 0) root = first_on(limb, 0, {Part::hip});
     if (root < 0) root = first_on(limb, 0, {Part::leg});
@@ -226,7 +226,7 @@ class Recogniser {
     if (limb.end >= 0)
       limb.tip = joint_at(limb, next_long(limb, static_cast<int>(ankle - limb.path.begin())));
   }
-  void name_arm(Limb& limb) const {
+  void name_arm(LimbJoints& limb) const {
     int middle = first_on(limb, 0, {Part::forearm});
     int root = first_on(limb, 0, {Part::upper_arm});
     if (root < 0) root = first_on(limb, 0, {Part::arm});
@@ -245,7 +245,7 @@ class Recogniser {
   }
 
   // By words where they are whole, else by the two longest bones in a row.
-  void settle(Limb& limb, int root, int middle, int end) const {
+  void settle(LimbJoints& limb, int root, int middle, int end) const {
     limb.named = root >= 0 && middle > root && (end > middle || end < 0);
     if (!limb.named) {
       double best = 0;
@@ -274,7 +274,7 @@ class Recogniser {
     return longest;
   }
   // The next joint outwards that does not lie in the same place.
-  int next_long(const Limb& limb, int index) const {
+  int next_long(const LimbJoints& limb, int index) const {
     const double whole = length(limb.middle) + (limb.end < 0 ? 0 : length(limb.end));
     for (int i = index + 1; i < static_cast<int>(limb.path.size()); ++i)
       if (length(joint_at(limb, i)) > 0.03 * whole && part(joint_at(limb, i)) != Part::helper)
@@ -316,8 +316,8 @@ class Recogniser {
       if (strong > 1 && arm == pairs_.end()) out.doubt = "it has more than two legs";
     }
     if (arm != pairs_.end() && is_leg_like(arms)) out.doubt = "its forelimbs end in feet";
-    for (Limb* limb : {&legs.left, &legs.right}) name_leg(*limb);
-    for (Limb* limb : {&arms.left, &arms.right}) name_arm(*limb);
+    for (LimbJoints* limb : {&legs.left, &legs.right}) name_leg(*limb);
+    for (LimbJoints* limb : {&arms.left, &arms.right}) name_arm(*limb);
     fill(out, legs, arms);
     check(out, legs, arms);
   }
@@ -341,9 +341,9 @@ class Recogniser {
     const int sides[2][4] = {{1, 4, 7, 10}, {2, 5, 8, 11}};
     const int arm_sides[2][4] = {{13, 16, 18, 20}, {14, 17, 19, 21}};
     for (int s = 0; s < 2; ++s) {
-      const Limb& l = s == 0 ? legs.left : legs.right;
+      const LimbJoints& l = s == 0 ? legs.left : legs.right;
       const int leg[4] = {l.root, l.middle, l.end, l.tip};
-      const Limb& a = s == 0 ? arms.left : arms.right;
+      const LimbJoints& a = s == 0 ? arms.left : arms.right;
       const int arm[4] = {a.first, a.root, a.middle, a.end};
       for (int k = 0; k < 4; ++k) {
         j[static_cast<std::size_t>(sides[s][k])] = leg[k];
@@ -443,7 +443,7 @@ class Recogniser {
         return;
       }
     const bool named = legs.left.named && legs.right.named && arms.left.named && arms.right.named;
-    const auto lower = [&](const Limb& limb) {
+    const auto lower = [&](const LimbJoints& limb) {
       return limb.end >= 0 ? between(limb.middle, limb.end) : end_site(limb.middle);
     };
     for (const Pair* pair : {&legs, &arms}) {
@@ -461,7 +461,7 @@ class Recogniser {
       out.doubt = "its trunk and legs have no human proportions";
     if (!named && j[15] < 0) out.doubt = "no head was found";
   }
-  double upper(const Limb& limb) const { return between(limb.root, limb.middle); }
+  double upper(const LimbJoints& limb) const { return between(limb.root, limb.middle); }
   // Along the bones.
   double between(int above, int below) const {
     double sum = 0;

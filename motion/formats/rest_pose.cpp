@@ -8,18 +8,11 @@
 
 #include "common/error.h"
 #include "motion/rotation.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
 namespace {
-
-std::size_t index(int joint) {
-  return static_cast<std::size_t>(joint);
-}
-
-Eigen::Vector3d smpl_bone(int from, int to) {
-  return (rest_joints().row(to) - rest_joints().row(from)).transpose();
-}
 
 // "+x", "-y", ... as a vector.
 Eigen::Vector3d named_axis(const std::string& name) {
@@ -34,18 +27,18 @@ void place(const Bvh& bvh, const std::vector<bool>& given, BvhPose& pose) {
     const int parent = bvh.joints[i].parent;
     if (!given[i])
       pose.rotations[i] =
-          parent < 0 ? Eigen::Matrix3d::Identity().eval() : pose.rotations[index(parent)];
-    pose.positions[i] = parent < 0
-                            ? bvh.joints[i].offset
-                            : Eigen::Vector3d(pose.positions[index(parent)] +
-                                              pose.rotations[index(parent)] * bvh.joints[i].offset);
+          parent < 0 ? Eigen::Matrix3d::Identity().eval() : pose.rotations[joint_index(parent)];
+    pose.positions[i] =
+        parent < 0 ? bvh.joints[i].offset
+                   : Eigen::Vector3d(pose.positions[joint_index(parent)] +
+                                     pose.rotations[joint_index(parent)] * bvh.joints[i].offset);
   }
 }
 
-class Finder {
+class RestFinder {
  public:
-  Finder(const Bvh& bvh, const RetargetMap& map, const SourceFigure& figure,
-         const std::string& file)
+  RestFinder(const Bvh& bvh, const RetargetMap& map, const SourceFigure& figure,
+             const std::string& file)
       : bvh_(bvh), map_(map), figure_(figure), file_(file) {}
 
   RestPose find() {
@@ -131,17 +124,17 @@ class Finder {
   }
 
   BvhPose euler_pose() const {
-    std::vector<double> values(index(bvh_.channels()), 0.0);
+    std::vector<double> values(joint_index(bvh_.channels()), 0.0);
     for (const auto& [name, degrees] : map_.euler) {
       const int found = bvh_.joint(name);
       if (found < 0)
         throw DataError(in_file(file_),
                         "has no joint \"" + name + "\", which its map " + map_.scheme + " turns");
-      const BvhJoint& joint = bvh_.joints[index(found)];
+      const BvhJoint& joint = bvh_.joints[joint_index(found)];
       std::size_t next = 0;
       for (std::size_t c = 0; c < joint.channels.size(); ++c) {
         if (joint.channels[c] < BvhChannel::x_rotation) continue;
-        if (next < degrees.size()) values[index(joint.first_channel) + c] = degrees[next];
+        if (next < degrees.size()) values[joint_index(joint.first_channel) + c] = degrees[next];
         ++next;
       }
       if (next != degrees.size())
@@ -153,7 +146,7 @@ class Finder {
     for (const BvhJoint& joint : bvh_.joints)
       for (std::size_t c = 0; c < joint.channels.size(); ++c)
         if (joint.channels[c] < BvhChannel::x_rotation)
-          values[index(joint.first_channel) + c] =
+          values[joint_index(joint.first_channel) + c] =
               joint.offset[static_cast<int>(joint.channels[c])];
     BvhPose pose;
     pose_bvh_values(bvh_, values.data(), pose);
@@ -169,13 +162,13 @@ class Finder {
     std::vector<bool> given(bvh_.joints.size(), false);
     for (int j = 0; j < kJoints; ++j) {
       if (!figure_.has(j)) continue;
-      const auto found = map_.axes.find(map_.joints[index(j)]);
+      const auto found = map_.axes.find(map_.joints[joint_index(j)]);
       if (found == map_.axes.end())
-        throw DataError(in_file(map_.scheme),
-                        "the map says no T-pose axes for joint \"" + map_.joints[index(j)] + "\"");
+        throw DataError(in_file(map_.scheme), "the map says no T-pose axes for joint \"" +
+                                                  map_.joints[joint_index(j)] + "\"");
       const JointAxes& axes = found->second;
-      rest.pose.rotations[index(figure_.source(j))] << axes.x, axes.y, axes.x.cross(axes.y);
-      given[index(figure_.source(j))] = true;
+      rest.pose.rotations[joint_index(figure_.source(j))] << axes.x, axes.y, axes.x.cross(axes.y);
+      given[joint_index(figure_.source(j))] = true;
     }
     place(bvh_, given, rest.pose);
     return rest;
@@ -204,7 +197,7 @@ class Finder {
       if (!figure_.has(end)) continue;
       const Eigen::Vector3d bone = figure_.at(zero, end) - figure_.at(zero, from);
       if (bone.norm() < 1e-9) continue;
-      sum += smpl_bone(from, end).normalized() * bone.normalized().transpose();
+      sum += rest_bone(from, end).normalized() * bone.normalized().transpose();
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
@@ -228,7 +221,7 @@ class Finder {
       const Eigen::Vector3d next = (figure_.at(pose, end) - figure_.at(pose, middle)).normalized();
       const Eigen::Vector3d axis = bone.cross(next);
       if (!(axis.norm() > 0.25)) continue;  // some 15 degrees
-      sum += pose.rotations[index(figure_.source(upper))].transpose() * axis;
+      sum += pose.rotations[joint_index(figure_.source(upper))].transpose() * axis;
       all += axis.norm();
     }
     return all > 0 && sum.norm() > 0.7 * all ? sum.normalized() : Eigen::Vector3d::Zero().eval();
@@ -262,8 +255,8 @@ class Finder {
                                     15, 16, 17, -1, 18, 19, 20, 21, 22, 23, -1, -1};
     for (std::size_t i = 0; i < bvh_.joints.size(); ++i) {
       const int parent = bvh_.joints[i].parent;
-      const Eigen::Matrix3d above =
-          parent < 0 ? Eigen::Matrix3d::Identity().eval() : rest.pose.rotations[index(parent)];
+      const Eigen::Matrix3d above = parent < 0 ? Eigen::Matrix3d::Identity().eval()
+                                               : rest.pose.rotations[joint_index(parent)];
       rest.pose.rotations[i] = above;
       given[i] = true;
       int smpl = -1;
@@ -275,16 +268,16 @@ class Finder {
         const int left = figure_.has(13) ? 13 : 16;
         rest.pose.rotations[i] = fit(zero, 9, {left, left + 1, figure_.has(12) ? 12 : 15});
       }
-      if (smpl < 0 || kNext[index(smpl)] < 0) continue;
-      int next = kNext[index(smpl)];
-      while (next >= 0 && !figure_.has(next)) next = next < 12 ? kNext[index(next)] : -1;
+      if (smpl < 0 || kNext[joint_index(smpl)] < 0) continue;
+      int next = kNext[joint_index(smpl)];
+      while (next >= 0 && !figure_.has(next)) next = next < 12 ? kNext[joint_index(next)] : -1;
       if (next < 0) continue;
       const Eigen::Vector3d bone = figure_.at(zero, next) - figure_.at(zero, smpl);
       if (bone.norm() < 1e-9) continue;
       rest.pose.rotations[i] =
-          shortest_rotation(above * bone, smpl_bone(smpl, next)).toRotationMatrix() * above;
+          shortest_rotation(above * bone, rest_bone(smpl, next)).toRotationMatrix() * above;
       if (smpl == 1 || smpl == 2 || smpl == 16 || smpl == 17)
-        rest.pose.rotations[i] = twisted(rest.pose.rotations[i], smpl, smpl_bone(smpl, next));
+        rest.pose.rotations[i] = twisted(rest.pose.rotations[i], smpl, rest_bone(smpl, next));
     }
     place(bvh_, given, rest.pose);
     return rest;
@@ -300,7 +293,7 @@ class Finder {
 
 RestPose find_rest_pose(const Bvh& bvh, const RetargetMap& map, const SourceFigure& figure,
                         const std::string& file) {
-  return Finder(bvh, map, figure, file).find();
+  return RestFinder(bvh, map, figure, file).find();
 }
 
 }  // namespace mocaplm

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/text.h"
 #include "motion/formats/figure_size.h"
@@ -13,40 +14,37 @@
 #include "motion/formats/world_turn.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kHalfTurn = kPi - 1e-6;  // with room for rounding
 
 // A bone from a joint to its child, by SMPL index.
-struct Bone {
+struct LimbBone {
   const char* name;
   std::size_t joint, child;
+
+  Eigen::Vector3d at_rest() const {
+    return rest_bone(static_cast<int>(joint), static_cast<int>(child));
+  }
 };
 // Bones whose directions are kept exactly and reported.
-constexpr Bone kLimbs[] = {{"left_upper_arm", 16, 18},  {"left_lower_arm", 18, 20},
-                           {"right_upper_arm", 17, 19}, {"right_lower_arm", 19, 21},
-                           {"left_upper_leg", 1, 4},    {"left_lower_leg", 4, 7},
-                           {"right_upper_leg", 2, 5},   {"right_lower_leg", 5, 8}};
+constexpr LimbBone kLimbBones[] = {{"left_upper_arm", 16, 18},  {"left_lower_arm", 18, 20},
+                                   {"right_upper_arm", 17, 19}, {"right_lower_arm", 19, 21},
+                                   {"left_upper_leg", 1, 4},    {"left_lower_leg", 4, 7},
+                                   {"right_upper_leg", 2, 5},   {"right_lower_leg", 5, 8}};
 // SMPL's joints whose rotations turn an arm.
 constexpr int kArms[] = {16, 17, 18, 19, 20, 21};
-
-std::size_t index(int joint) {
-  return static_cast<std::size_t>(joint);
-}
-
-Eigen::Vector3d rest(std::size_t joint) {
-  return rest_joints().row(static_cast<Eigen::Index>(joint)).transpose();
-}
 
 // The joints of the file that SMPL's joints come from, and all above them, ascending.
 std::vector<std::size_t> with_ancestors(const Bvh& bvh, const SourceJoints& joints) {
   std::vector<bool> needed(bvh.joints.size(), false);
   for (int joint : joints)
-    for (; joint >= 0; joint = bvh.joints[index(joint)].parent) needed[index(joint)] = true;
+    for (; joint >= 0; joint = bvh.joints[joint_index(joint)].parent)
+      needed[joint_index(joint)] = true;
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < needed.size(); ++i)
     if (needed[i]) indices.push_back(i);
@@ -105,7 +103,7 @@ class Retargeter {
   }
   // The direction of a bone of the source in the frame last converted, in our world; not of unit
   // length.
-  Eigen::Vector3d bone(const Bone& b) const { return position(b.child) - position(b.joint); }
+  Eigen::Vector3d bone(const LimbBone& b) const { return position(b.child) - position(b.joint); }
 
   // World rotations of SMPL's joints in one frame, and where its pelvis joint lies, metres.
   Eigen::Vector3d convert(Eigen::Index frame, Rotations& world) {
@@ -121,20 +119,20 @@ class Retargeter {
     if (!has(12)) world[12] = has(15) ? world[9].slerp(0.5, world[15]) : world[9];
     if (!has(15)) world[15] = world[12];
     for (const std::size_t j : {1, 2, 4, 5, 7, 8, 10, 11, 13, 14, 16, 17, 18, 19, 20, 21, 22, 23})
-      if (!has(j)) world[j] = world[index(joint_parents()[j])];
+      if (!has(j)) world[j] = world[joint_index(joint_parents()[j])];
     if (map_.align) {
-      for (const Bone& limb : kLimbs) align(limb, bone(limb), world);
+      for (const LimbBone& limb : kLimbBones) align(limb, bone(limb), world);
       for (std::size_t side = 0; side < 2; ++side) align_wrist(side, world);
     }
     for (const std::size_t j : {10, 11, 18, 19, 20, 21, 22, 23})
-      if (!has(j)) world[j] = world[index(joint_parents()[j])];
+      if (!has(j)) world[j] = world[joint_index(joint_parents()[j])];
     const Eigen::Vector3d hips = 0.5 * size_.unit * size_.path * (position(1) + position(2));
-    return hips - world[0] * (0.5 * (rest(1) + rest(2)) - rest(0));
+    return hips - world[0] * (0.5 * (rest_joint(1) + rest_joint(2)) - rest_joint(0));
   }
 
  private:
   const Eigen::Matrix3d& source(std::size_t joint) const {
-    return pose_.rotations[index(figure_.source(static_cast<int>(joint)))];
+    return pose_.rotations[joint_index(figure_.source(static_cast<int>(joint)))];
   }
   Eigen::Vector3d position(std::size_t joint) const {
     return turn_ * figure_.at(pose_, static_cast<int>(joint)) + lift_;
@@ -146,7 +144,7 @@ class Retargeter {
     for (std::size_t j = 0; j < kJoints; ++j) {
       const int joint = figure_.source(static_cast<int>(j));
       if (joint < 0) continue;
-      Eigen::Matrix3d from = (rest_.front * rest_.pose.rotations[index(joint)]).transpose();
+      Eigen::Matrix3d from = (rest_.front * rest_.pose.rotations[joint_index(joint)]).transpose();
       const bool left_foot = j == 7 || j == 10, right_foot = j == 8 || j == 11;
       if (rest_.zero && map_.align && (left_foot || right_foot))
         from *= undo_spread(rest_.bone(figure_, left_foot ? 4 : 5, left_foot ? 7 : 8)).transpose();
@@ -156,21 +154,21 @@ class Retargeter {
     // Arms that hang in the rest pose are turned there, in SMPL's terms.
     for (const int j : kArms) {
       const int upper = j < 20 ? j : j - 2;
-      const Eigen::Quaterniond hanging = shortest_rotation(
-          rest(index(upper + 2)) - rest(index(upper)), rest_.bone(figure_, upper, upper + 2));
-      from_rest_[index(j)] = from_rest_[index(j)] * hanging;
+      const Eigen::Quaterniond hanging =
+          shortest_rotation(rest_bone(upper, upper + 2), rest_.bone(figure_, upper, upper + 2));
+      from_rest_[joint_index(j)] = from_rest_[joint_index(j)] * hanging;
     }
   }
 
   // Turns the bone's joint by the smallest rotation that brings SMPL's bone into the direction
   // `to`.
-  static void align(const Bone& bone, const Eigen::Vector3d& to, Rotations& world) {
+  static void align(const LimbBone& bone, const Eigen::Vector3d& to, Rotations& world) {
     if (to.norm() < 1e-9) return;
-    const Eigen::Vector3d from = world[bone.joint] * (rest(bone.child) - rest(bone.joint));
+    const Eigen::Vector3d from = world[bone.joint] * bone.at_rest();
     world[bone.joint] = (shortest_rotation(from, to) * world[bone.joint]).normalized();
   }
   void align_wrist(std::size_t side, Rotations& world) const {
-    const Bone hand = {"", 20 + side, 22 + side};
+    const LimbBone hand = {"", 20 + side, 22 + side};
     if (!has(hand.joint)) return;
     align(hand,
           figure_.has(22 + static_cast<int>(side)) ? bone(hand) : world[hand.joint] * hands_[side],
@@ -182,7 +180,7 @@ class Retargeter {
     const int joint = figure_.source(wrist);
     if (joint < 0) return Eigen::Vector3d::UnitX();
     const Eigen::Vector3d forearm = rest_.bone(figure_, wrist - 2, wrist);
-    const Eigen::Matrix3d world = rest_.front * rest_.pose.rotations[index(joint)];
+    const Eigen::Matrix3d world = rest_.front * rest_.pose.rotations[joint_index(joint)];
     // Known axes are those of a T-pose: straight to the side.
     Eigen::Vector3d to =
         rest_.source == "the known axes of its joints"
@@ -196,8 +194,9 @@ class Retargeter {
     };
     for (const BvhJoint& child : bvh_.joints)
       if (child.parent == joint) offer(world * child.offset);
-    for (const Eigen::Vector3d& site : bvh_.joints[index(joint)].end_sites) offer(world * site);
-    return from_rest_[index(wrist)].conjugate() * (world.transpose() * to);
+    for (const Eigen::Vector3d& site : bvh_.joints[joint_index(joint)].end_sites)
+      offer(world * site);
+    return from_rest_[joint_index(wrist)].conjugate() * (world.transpose() * to);
   }
 
   const Bvh& bvh_;
@@ -238,10 +237,6 @@ void set_poses(Clip& clip, Eigen::Index frame, const Rotations& world,
   }
 }
 
-double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / kPi;
-}
-
 // SMPL's joints whose rotations turn a limb, each after its parent.
 constexpr int kLimbChain[] = {0, 1, 2, 3, 4, 5, 6, 9, 13, 14, 16, 17, 18, 19};
 
@@ -256,12 +251,12 @@ void measure(const Clip& clip, Eigen::Index frame, const Retargeter& retargeter,
         quaternion_from_axis_angle(clip.poses.row(frame).segment<3>(3 * j).transpose());
     world[joint] = parent < 0 ? local : world[static_cast<std::size_t>(parent)] * local;
   }
-  for (std::size_t i = 0; i < std::size(kLimbs); ++i) {
-    const Bone& limb = kLimbs[i];
+  for (std::size_t i = 0; i < std::size(kLimbBones); ++i) {
+    const LimbBone& limb = kLimbBones[i];
     const Eigen::Vector3d source = retargeter.bone(limb);
     if (source.norm() < 1e-9) continue;
-    const Eigen::Vector3d ours = world[limb.joint] * (rest(limb.child) - rest(limb.joint));
-    const double error = degrees_between(source, ours);
+    const Eigen::Vector3d ours = world[limb.joint] * limb.at_rest();
+    const double error = angle_between(source, ours) * 180 / kPi;
     report.limbs[i].mean += error;
     ++report.limbs[i].frames;
     if (error > report.limbs[i].max) {
@@ -279,7 +274,7 @@ void start(RetargetReport& report, const RetargetMap& map, const Retargeter& ret
   report.path_scale = retargeter.path_scale();
   report.rest_pose = retargeter.rest_pose();
   report.remarks = retargeter.remarks();
-  for (const Bone& limb : kLimbs) report.limbs.push_back({limb.name});
+  for (const LimbBone& limb : kLimbBones) report.limbs.push_back({limb.name});
   for (std::size_t j = 0; j < kJoints; ++j)
     if (!retargeter.has(j)) report.unmatched.push_back(joint_names()[j]);
 }
@@ -322,7 +317,7 @@ Clip retarget_bvh(const Bvh& bvh, const RetargetMap& map, const std::string& fil
   Rotations world;
   for (Eigen::Index t = 0; t < bvh.frames(); ++t) {
     const Eigen::Vector3d pelvis = retargeter.convert(t, world);
-    clip.trans.row(t) = (pelvis - rest(0)).transpose();
+    clip.trans.row(t) = (pelvis - rest_joint(0)).transpose();
     set_poses(clip, t, world, retargeter);
     if (report) measure(clip, t, retargeter, *report);
   }

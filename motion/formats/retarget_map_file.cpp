@@ -9,13 +9,13 @@ namespace mocaplm {
 
 namespace {
 
-const std::vector<std::string> kAxes = {"+x", "-x", "+y", "-y", "+z", "-z"};
+const std::vector<std::string> kAxisNames = {"+x", "-x", "+y", "-y", "+z", "-z"};
 
 // An axis of the T-pose: "+x" or three numbers, made unit length.
 Eigen::Vector3d direction(const Json& json, const JsonObject& object, const std::string& key) {
   if (json.is_string()) {
     const std::string name = json.get<std::string>();
-    if (std::find(kAxes.begin(), kAxes.end(), name) != kAxes.end())
+    if (std::find(kAxisNames.begin(), kAxisNames.end(), name) != kAxisNames.end())
       return (name[0] == '-' ? -1 : 1) * Eigen::Vector3d::Unit(name[1] - 'x');
   } else if (json.is_array() && json.size() == 3 && json[0].is_number() && json[1].is_number() &&
              json[2].is_number()) {
@@ -91,8 +91,8 @@ RetargetMap load_map(const std::filesystem::path& path) {
     JsonObject t_pose = object.object("t_pose");
     read_t_pose(map, t_pose);
   }
-  if (object.has("up")) map.up = object.choice("up", kAxes);
-  if (object.has("facing")) map.facing = object.choice("facing", kAxes);
+  if (object.has("up")) map.up = object.choice("up", kAxisNames);
+  if (object.has("facing")) map.facing = object.choice("facing", kAxisNames);
   if (object.has("unit")) map.unit = object.number("unit", 1e-6, 1e6);
   if (object.has("align")) map.align = object.boolean("align");
   object.finish();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/text.h"
@@ -144,7 +145,7 @@ const Eigen::Vector3d kX = Eigen::Vector3d::UnitX(), kY = Eigen::Vector3d::UnitY
 
 // A direction `degrees` below forward: a foot.
 Eigen::Vector3d below_forward(double degrees) {
-  const double angle = degrees * 3.14159265358979323846 / 180;
+  const double angle = degrees * kPi / 180;
   return std::cos(angle) * kZ - std::sin(angle) * kY;
 }
 

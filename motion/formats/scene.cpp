@@ -12,9 +12,9 @@ namespace mocaplm {
 
 namespace {
 
-constexpr std::string_view kMagic = "mocaplm scene 1\n";
-constexpr double kAbsurd = 1e9;
-constexpr std::size_t kMaxName = 1024;
+constexpr std::string_view kSceneMagic = "mocaplm scene 1\n";
+constexpr double kLargestNumber = 1e9;
+constexpr std::size_t kMaxNodeName = 1024;
 
 template <class Number>
 void append(std::string& bytes, Number number) {
@@ -62,9 +62,9 @@ class Parser {
   Parser(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
 
   Scene parse() {
-    if (bytes_.substr(0, kMagic.size()) != kMagic)
+    if (bytes_.substr(0, kSceneMagic.size()) != kSceneMagic)
       fail("the reader and this program are of different versions; install them together");
-    at_ = kMagic.size();
+    at_ = kSceneMagic.size();
     Scene scene;
     scene.unit = number<double>();
     if (!(scene.unit >= 1e-6 && scene.unit <= 1e6)) fail("a unit of length that cannot be");
@@ -94,7 +94,7 @@ class Parser {
     std::memcpy(&value, bytes_.data() + at_, sizeof value);
     at_ += sizeof value;
     if (!(std::abs(static_cast<double>(value)) <=
-          (std::is_floating_point<Number>::value ? kAbsurd : 4294967295.0)))
+          (std::is_floating_point<Number>::value ? kLargestNumber : 4294967295.0)))
       fail("a number that is not finite or beyond 1e9");
     return value;
   }
@@ -130,7 +130,7 @@ class Parser {
     for (std::size_t i = 0; i < nodes_; ++i) {
       SceneNode& node = scene.nodes[i];
       node.name = text();
-      if (node.name.size() > kMaxName || !names.insert(node.name).second)
+      if (node.name.size() > kMaxNodeName || !names.insert(node.name).second)
         fail("a node's name that is too long or there twice");
       node.parent = number<std::int32_t>();
       if (i == 0 ? node.parent != -1 : node.parent < 0 || node.parent >= static_cast<int>(i))
@@ -205,7 +205,7 @@ Scene parse_scene(std::string_view bytes, const std::string& file) {
 }
 
 std::string scene_bytes(const Scene& scene) {
-  std::string bytes(kMagic);
+  std::string bytes(kSceneMagic);
   append(bytes, scene.unit);
   append_matrix(bytes, scene.axes);
   append(bytes, static_cast<std::uint8_t>(scene.curves));

@@ -67,6 +67,11 @@ struct SceneTake {
   std::vector<SceneTrack> tracks;
 };
 
+// A node, or a joint, that is there: not -1.
+inline std::size_t node_index(int node) {
+  return static_cast<std::size_t>(node);
+}
+
 struct Scene {
   double unit = 1;  // metres per unit of length, as the file says
   // From the file's world into one with Y up, as the file says.

@@ -58,14 +58,17 @@ class Pipe {
 // The program while it runs; whatever happens here, it does not outlive this.
 class Child {
  public:
-  Child(const fs::path& program, const fs::path& file, Pipe& answer, Pipe& complaint) {
+  // `mode`: an argument behind the file; null for none.
+  Child(const fs::path& program, const fs::path& file, const char* mode, Pipe& answer,
+        Pipe& complaint) {
     posix_spawn_file_actions_t actions;
     ::posix_spawn_file_actions_init(&actions);
     ::posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
     ::posix_spawn_file_actions_adddup2(&actions, answer.writing(), 1);
     ::posix_spawn_file_actions_adddup2(&actions, complaint.writing(), 2);
     std::string name = program.string(), argument = fs::absolute(file).string();
-    std::array<char*, 3> arguments = {name.data(), argument.data(), nullptr};
+    std::array<char*, 4> arguments = {name.data(), argument.data(), const_cast<char*>(mode),
+                                      nullptr};
     const int error =
         ::posix_spawn(&pid_, name.c_str(), &actions, nullptr, arguments.data(), environ);
     ::posix_spawn_file_actions_destroy(&actions);
@@ -151,6 +154,9 @@ std::string end_of(int status, const std::string& complaint) {
          (complaint.empty() ? "exit code " + std::to_string(WEXITSTATUS(status)) : complaint);
 }
 
+// What the program says of a file.
+std::string answer_of(const fs::path& path, const SceneReader& reader, const char* mode);
+
 }  // namespace
 
 fs::path find_scene_reader() {
@@ -162,6 +168,16 @@ fs::path find_scene_reader() {
 }
 
 Scene read_scene(const fs::path& path, const SceneReader& reader) {
+  return parse_scene(answer_of(path, reader, nullptr), path.string());
+}
+
+std::string read_character_glb(const fs::path& path, const SceneReader& reader) {
+  return answer_of(path, reader, "--glb");
+}
+
+namespace {
+
+std::string answer_of(const fs::path& path, const SceneReader& reader, const char* mode) {
   const std::string file = path.string();
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
@@ -179,7 +195,7 @@ Scene read_scene(const fs::path& path, const SceneReader& reader) {
                                        "environment's MOCAPLM_SCENE");
   const Deadline deadline(reader.patience, file);
   Pipe answer, complaint;
-  Child child(program, path, answer, complaint);
+  Child child(program, path, mode, answer, complaint);
   std::string bytes, words;
   std::array<pollfd, 2> waiting = {pollfd{answer.reading(), POLLIN, 0},
                                    pollfd{complaint.reading(), POLLIN, 0}};
@@ -203,7 +219,9 @@ Scene read_scene(const fs::path& path, const SceneReader& reader) {
   }
   const int status = *ended;
   if (status != 0) throw DataError(in_file(file), end_of(status, one_line(words)));
-  return parse_scene(bytes, file);
+  return bytes;
 }
+
+}  // namespace
 
 }  // namespace mocaplm

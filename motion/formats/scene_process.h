@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "motion/formats/scene.h"
 
@@ -23,5 +24,9 @@ std::filesystem::path find_scene_reader();
 // Throws DataError naming the file: when it is too large, when the reader is not installed, refuses
 // the file, crashes, runs out of memory or time, or answers what parse_scene refuses.
 Scene read_scene(const std::filesystem::path& path, const SceneReader& reader = {});
+
+// The character of an .fbx as the bytes of a .glb: nodes, meshes, skins, materials, textures inside
+// the file; metres, Y up, no animation. Throws as read_scene does, also without a skin.
+std::string read_character_glb(const std::filesystem::path& path, const SceneReader& reader = {});
 
 }  // namespace mocaplm

@@ -9,8 +9,8 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kMost = 240, kLeast = 23.9;
-constexpr double kUsual[] = {24, 25, 30, 48, 50, 60, 72, 75, 90, 100, 120, 144, 150, 180, 200, 240};
+constexpr double kHighestRate = 240, kLowestRate = 23.9;
+constexpr double kRates[] = {24, 25, 30, 48, 50, 60, 72, 75, 90, 100, 120, 144, 150, 180, 200, 240};
 constexpr double kTelevision[] = {24 / 1.001, 30 / 1.001, 60 / 1.001, 120 / 1.001, 240 / 1.001};
 constexpr double kTolerances[] = {1e-4, 6e-4};  // seconds
 constexpr double kSameKey = 2e-5;               // 4-byte floats of some minutes
@@ -44,9 +44,9 @@ double equal_steps(const std::vector<double>& times) {
   return fps;
 }
 
-double usual_rate(const std::vector<double>& times, double begin) {
+double usual_key_rate(const std::vector<double>& times, double begin) {
   for (const double tolerance : kTolerances)
-    for (const double most : kUsual) {
+    for (const double most : kRates) {
       if (meets(times, begin, most, tolerance)) return most;
       for (const double fps : kTelevision)
         if (fps < most && most - fps < 1 && meets(times, begin, fps, tolerance)) return fps;
@@ -70,19 +70,19 @@ SceneRate scene_rate(std::vector<double> times, double begin, bool curves,
   }
   const double seconds = times.back() - times.front();
   const double keys = static_cast<double>(times.size() - 1) / seconds;
-  rate.fps = times.size() > 2 || keys >= kLeast ? equal_steps(times) : 0;
-  if (rate.fps > 0 && rate.fps < kLeast) rate.fps *= std::ceil(kLeast / rate.fps - 1e-9);
+  rate.fps = times.size() > 2 || keys >= kLowestRate ? equal_steps(times) : 0;
+  if (rate.fps > 0 && rate.fps < kLowestRate) rate.fps *= std::ceil(kLowestRate / rate.fps - 1e-9);
   // The steps may begin between two frames of a take that begins before them.
   if (rate.fps == 0 || !meets({times.front()}, begin, rate.fps, kTolerances[1]))
-    rate.fps = usual_rate(times, begin);
-  if (rate.fps > kMost || rate.fps == 0) {
+    rate.fps = usual_key_rate(times, begin);
+  if (rate.fps > kHighestRate || rate.fps == 0) {
     rate.remarks.push_back(
-        {"rate of keys", rate.fps > kMost
+        {"rate of keys", rate.fps > kHighestRate
                              ? name + " has " + format_number(std::round(rate.fps)) +
-                                   " keys a second; it is read at " + format_number(kMost)
+                                   " keys a second; it is read at " + format_number(kHighestRate)
                              : "the keys of " + name + " lie at no usual rate; it is read at " +
-                                   format_number(kMost) + " frames a second"});
-    rate.fps = kMost;
+                                   format_number(kHighestRate) + " frames a second"});
+    rate.fps = kHighestRate;
   } else if (curves && keys < 10) {
     rate.remarks.push_back({"few keys", name + " has " + format_fixed(keys, 1) +
                                             " keys a second, joined by straight lines; bake the "

@@ -7,21 +7,17 @@
 #include <numeric>
 
 #include "common/error.h"
+#include "motion/formats/joint_limits.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr std::size_t kMaxJoints = 4096, kMaxDepth = 256;
 constexpr double kSamePlace = 1e-3;  // of the skeleton's size
 constexpr double kSameTurn = 2e-3;   // radians
 constexpr double kUnlike = 0.75;     // of the skeleton's size: no pose of the same skeleton
 
 using Places = std::vector<Eigen::Matrix4d>;
-
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
 
 bool invertible(const Eigen::Matrix4d& matrix) {
   const double size = matrix.topLeftCorner<3, 3>().norm();
@@ -30,7 +26,7 @@ bool invertible(const Eigen::Matrix4d& matrix) {
 }
 
 // The angle between the axes of two places, whatever their scales.
-double turn_between(const Eigen::Matrix4d& a, const Eigen::Matrix4d& b) {
+double turn_of_places(const Eigen::Matrix4d& a, const Eigen::Matrix4d& b) {
   const Eigen::Matrix3d turn = a.topLeftCorner<3, 3>() * b.topLeftCorner<3, 3>().inverse();
   const double scale = std::cbrt(std::abs(turn.determinant()));
   return scale > 0 ? std::acos(std::clamp((turn.trace() / scale - 1) / 2, -1.0, 1.0)) : 0;
@@ -42,7 +38,7 @@ class BindPose {
  public:
   BindPose(const SceneSkin& skin, const Places& nodes) : nodes_(nodes) {
     for (const SceneBone& bone : skin.bones)
-      if (invertible(bone.from_mesh) && invertible(nodes[at(bone.node)]))
+      if (invertible(bone.from_mesh) && invertible(nodes[node_index(bone.node)]))
         bones_.push_back({bone.node, bone.from_mesh.inverse()});
     if (bones_.empty()) return;
     std::sort(bones_.begin(), bones_.end(),
@@ -50,8 +46,9 @@ class BindPose {
     size_ = size();
     // In the world; in the mesh's axes; or so that its first bone lies where its node does.
     for (const Eigen::Matrix4d& to_world :
-         {Eigen::Matrix4d(Eigen::Matrix4d::Identity()), nodes[at(skin.mesh_node)],
-          Eigen::Matrix4d(nodes[at(bones_.front().node)] * bones_.front().place.inverse())}) {
+         {Eigen::Matrix4d(Eigen::Matrix4d::Identity()), nodes[node_index(skin.mesh_node)],
+          Eigen::Matrix4d(nodes[node_index(bones_.front().node)] *
+                          bones_.front().place.inverse())}) {
       const double error = distance(to_world);
       if (error < error_) {
         error_ = error;
@@ -62,7 +59,8 @@ class BindPose {
   bool usable() const { return error_ < kUnlike; }
   bool differs() const {
     return error_ > kSamePlace || std::any_of(bones_.begin(), bones_.end(), [&](const Bone& bone) {
-             return turn_between(to_world_ * bone.place, nodes_[at(bone.node)]) > kSameTurn;
+             return turn_of_places(to_world_ * bone.place, nodes_[node_index(bone.node)]) >
+                    kSameTurn;
            });
   }
   template <class Use>
@@ -77,7 +75,7 @@ class BindPose {
   };
 
   Eigen::Vector3d node(const Bone& bone) const {
-    return nodes_[at(bone.node)].topRightCorner<3, 1>();
+    return nodes_[node_index(bone.node)].topRightCorner<3, 1>();
   }
   double size() const {
     double most = 0;
@@ -101,9 +99,9 @@ class BindPose {
   Eigen::Matrix4d to_world_ = Eigen::Matrix4d::Identity();
 };
 
-class Finder {
+class SkeletonFinder {
  public:
-  Finder(const Scene& scene, const std::string& file)
+  SkeletonFinder(const Scene& scene, const std::string& file)
       : scene_(scene), file_(file), chosen_(scene.nodes.size()), moved_(scene.nodes.size()) {}
 
   SceneSkeleton find() {
@@ -111,7 +109,7 @@ class Finder {
     if (std::find(chosen_.begin(), chosen_.end(), true) == chosen_.end()) return {};
     std::vector<bool> inside = chosen_;  // with all above
     for (std::size_t i = inside.size(); i-- > 1;)
-      if (inside[i]) inside[at(scene_.nodes[i].parent)] = true;
+      if (inside[i]) inside[node_index(scene_.nodes[i].parent)] = true;
     const std::size_t top = top_of(inside);
     std::vector<int> joint(inside.size(), -1), depth(inside.size(), 0);
     for (std::size_t i = 0; i < inside.size(); ++i) {
@@ -122,11 +120,11 @@ class Finder {
       const int parent = node_above(i);
       SceneJoint made;
       made.node = static_cast<int>(i);
-      made.parent = i == top ? -1 : joint[at(parent)];
-      depth[i] = i == top ? 1 : depth[at(parent)] + 1;
-      if (depth[i] > static_cast<int>(kMaxDepth))
+      made.parent = i == top ? -1 : joint[node_index(parent)];
+      depth[i] = i == top ? 1 : depth[node_index(parent)] + 1;
+      if (depth[i] > static_cast<int>(kMaxJointDepth))
         throw DataError(in_file(file_),
-                        "joints are nested more than " + std::to_string(kMaxDepth) + " deep");
+                        "joints are nested more than " + std::to_string(kMaxJointDepth) + " deep");
       joint[i] = static_cast<int>(skeleton_.joints.size());
       skeleton_.joints.push_back(made);
     }
@@ -147,17 +145,17 @@ class Finder {
   // The nearest node above that is no helper; -1 for none.
   int node_above(std::size_t node) const {
     int above = scene_.nodes[node].parent;
-    while (above >= 0 && helper(at(above))) above = scene_.nodes[at(above)].parent;
+    while (above >= 0 && helper(node_index(above))) above = scene_.nodes[node_index(above)].parent;
     return above;
   }
 
   void choose() {
     for (const SceneSkin& skin : scene_.skins)
-      for (const SceneBone& bone : skin.bones) chosen_[at(bone.node)] = true;
+      for (const SceneBone& bone : skin.bones) chosen_[node_index(bone.node)] = true;
     std::vector<bool> bones = chosen_;
     for (const SceneTake& take : scene_.takes)
       for (const SceneTrack& track : take.tracks) {
-        const std::size_t node = owner(at(track.node));
+        const std::size_t node = owner(node_index(track.node));
         const SceneNodeKind kind = scene_.nodes[node].kind;
         const bool moves = track.positions.times.size() > 1 || track.rotations.times.size() > 1 ||
                            track.scales.times.size() > 1;
@@ -173,8 +171,8 @@ class Finder {
     std::vector<std::size_t> children(inside.size(), 0), last(inside.size(), 0);
     for (std::size_t i = 1; i < inside.size(); ++i)
       if (inside[i]) {
-        ++children[at(scene_.nodes[i].parent)];
-        last[at(scene_.nodes[i].parent)] = i;
+        ++children[node_index(scene_.nodes[i].parent)];
+        last[node_index(scene_.nodes[i].parent)] = i;
       }
     std::size_t top = 0;
     while (children[top] == 1 && (helper(top) || (!moved_[top] && !bones_[top]))) top = last[top];
@@ -195,9 +193,9 @@ class Finder {
       if (!pose.usable()) continue;
       const bool differs = pose.differs();
       pose.each([&](int node, const Eigen::Matrix4d& place) {
-        if (known[at(node)]) return;
-        known[at(node)] = true;
-        bound[at(node)] = differs ? place : nodes[at(node)];
+        if (known[node_index(node)]) return;
+        known[node_index(node)] = true;
+        bound[node_index(node)] = differs ? place : nodes[node_index(node)];
         skeleton_.bound = skeleton_.bound || differs;
       });
     }
@@ -210,7 +208,7 @@ class Finder {
       const SceneNode& node = scene_.nodes[i];
       skeleton_.rest[i] = known[i]          ? bound[i]
                           : node.parent < 0 ? node.local
-                                            : skeleton_.rest[at(node.parent)] * node.local;
+                                            : skeleton_.rest[node_index(node.parent)] * node.local;
     }
   }
 
@@ -218,15 +216,15 @@ class Finder {
   void end_sites(const std::vector<bool>& inside, const std::vector<int>& joint) {
     std::vector<bool> last(skeleton_.joints.size(), true);
     for (const SceneJoint& child : skeleton_.joints)
-      if (child.parent >= 0) last[at(child.parent)] = false;
+      if (child.parent >= 0) last[node_index(child.parent)] = false;
     for (std::size_t i = 1; i < inside.size(); ++i) {
       const SceneNode& node = scene_.nodes[i];
-      const int above = node_above(i), parent = above < 0 ? -1 : joint[at(above)];
-      if (inside[i] || parent < 0 || !last[at(parent)] || node.kind != SceneNodeKind::plain)
+      const int above = node_above(i), parent = above < 0 ? -1 : joint[node_index(above)];
+      if (inside[i] || parent < 0 || !last[node_index(parent)] || node.kind != SceneNodeKind::plain)
         continue;
       const Eigen::Vector3d bone =
-          (skeleton_.rest[i] - skeleton_.rest[at(above)]).topRightCorner<3, 1>();
-      if (bone.norm() > 0) skeleton_.joints[at(parent)].end_sites.push_back(bone);
+          (skeleton_.rest[i] - skeleton_.rest[node_index(above)]).topRightCorner<3, 1>();
+      if (bone.norm() > 0) skeleton_.joints[node_index(parent)].end_sites.push_back(bone);
     }
   }
 
@@ -241,13 +239,14 @@ class Finder {
 std::vector<Eigen::Matrix4d> scene_places(const Scene& scene) {
   Places places;
   for (const SceneNode& node : scene.nodes)
-    places.push_back(node.parent < 0 ? node.local
-                                     : Eigen::Matrix4d(places[at(node.parent)] * node.local));
+    places.push_back(node.parent < 0
+                         ? node.local
+                         : Eigen::Matrix4d(places[node_index(node.parent)] * node.local));
   return places;
 }
 
 SceneSkeleton scene_skeleton(const Scene& scene, const std::string& file) {
-  return Finder(scene, file).find();
+  return SkeletonFinder(scene, file).find();
 }
 
 }  // namespace mocaplm

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "motion/formats/scene_rate.h"
 #include "motion/formats/scene_skeleton.h"
@@ -15,19 +16,13 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;
-constexpr EulerOrder kOrder = {2, 0, 1};  // ZXY
-constexpr double kMaxFrames = 1000000, kMaxValues = 64 << 20;
-constexpr double kAbsurd = 1e7;  // metres
-constexpr double kStays = 2e-5;  // of the skeleton's size: places nearer than this are the same
-constexpr double kTurns = 1e-5;  // radians: smaller turns than this are none
+constexpr double kMaxTakeFrames = 1000000, kMaxTakeValues = 64 << 20;
+constexpr double kFarthest = 1e7;  // metres
+constexpr double kStays = 2e-5;    // of the skeleton's size: places nearer than this are the same
+constexpr double kTurns = 1e-5;    // radians: smaller turns than this are none
 
 using Matrix = Eigen::Matrix4d;
-using Row = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
+using FrameRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 Eigen::Vector3d place_of(const Matrix& matrix) {
   return matrix.topRightCorner<3, 1>();
@@ -105,7 +100,7 @@ class Sampler {
     if (times.empty() || !(take.end > take.begin)) return motion;
     SceneRate rate = scene_rate(std::move(times), take.begin, scene_.curves, take.name);
     const double frames = std::floor((take.end - take.begin) * rate.fps + 0.5) + 1;
-    if (frames > kMaxFrames || frames * 6 * static_cast<double>(joints()) > kMaxValues)
+    if (frames > kMaxTakeFrames || frames * 6 * static_cast<double>(joints()) > kMaxTakeValues)
       throw DataError(in_file(file_),
                       "take \"" + take.name + "\" has too much motion for one file; split it");
     pose_frames(take, rate.fps, static_cast<Eigen::Index>(frames));
@@ -118,7 +113,7 @@ class Sampler {
  private:
   std::size_t joints() const { return skeleton_.joints.size(); }
   Matrix rest(std::size_t joint) const {
-    return world_ * skeleton_.rest[at(skeleton_.joints[joint].node)];
+    return world_ * skeleton_.rest[node_index(skeleton_.joints[joint].node)];
   }
 
   // Offsets of the joints in the rest pose; returns the skeleton's size.
@@ -128,22 +123,24 @@ class Sampler {
     for (std::size_t j = 0; j < joints(); ++j) {
       const int parent = skeleton_.joints[j].parent;
       const Eigen::Vector3d place = place_of(rest(j));
-      offsets_.push_back(parent < 0 ? place : Eigen::Vector3d(place - place_of(rest(at(parent)))));
+      offsets_.push_back(parent < 0 ? place
+                                    : Eigen::Vector3d(place - place_of(rest(node_index(parent)))));
       most = std::max(most, (place - origin).norm());
-      if (!(place.cwiseAbs().maxCoeff() <= kAbsurd))
+      if (!(place.cwiseAbs().maxCoeff() <= kFarthest))
         throw DataError(in_file(file_), "joint " + name(j) + " lies farther away than 1e7 m");
     }
     return most;
   }
   const std::string& name(std::size_t joint) const {
-    return scene_.nodes[at(skeleton_.joints[joint].node)].name;
+    return scene_.nodes[node_index(skeleton_.joints[joint].node)].name;
   }
 
   // Local places and turns of all joints in all frames.
   void pose_frames(const SceneTake& take, double fps, Eigen::Index frames) {
     std::vector<Track> tracks(take.tracks.begin(), take.tracks.end());
     std::vector<Track*> track_of(scene_.nodes.size(), nullptr);
-    for (std::size_t i = 0; i < tracks.size(); ++i) track_of[at(take.tracks[i].node)] = &tracks[i];
+    for (std::size_t i = 0; i < tracks.size(); ++i)
+      track_of[node_index(take.tracks[i].node)] = &tracks[i];
     const auto columns = static_cast<Eigen::Index>(3 * joints());
     places_.resize(frames, columns);
     turns_.resize(frames, columns);
@@ -152,10 +149,10 @@ class Sampler {
     for (Eigen::Index t = 0; t < frames; ++t) {
       const double time = std::min(take.begin + static_cast<double>(t) / fps, take.end);
       for (const int i : skeleton_.chain) {
-        const int parent = scene_.nodes[at(i)].parent;
-        const Matrix local =
-            track_of[at(i)] ? track_of[at(i)]->local(time) : scene_.nodes[at(i)].local;
-        node[at(i)] = (parent < 0 ? world_ : node[at(parent)]) * local;
+        const int parent = scene_.nodes[node_index(i)].parent;
+        const Matrix local = track_of[node_index(i)] ? track_of[node_index(i)]->local(time)
+                                                     : scene_.nodes[node_index(i)].local;
+        node[node_index(i)] = (parent < 0 ? world_ : node[node_index(parent)]) * local;
       }
       for (std::size_t j = 0; j < joints(); ++j) pose_joint(t, j, node, turn);
     }
@@ -166,20 +163,20 @@ class Sampler {
     const SceneJoint& joint = skeleton_.joints[j];
     const bool root = joint.parent < 0;
     const Eigen::Matrix3d before =
-        root ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : turn[at(joint.parent)];
-    const Matrix& place = node[at(joint.node)];
+        root ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : turn[node_index(joint.parent)];
+    const Matrix& place = node[node_index(joint.node)];
     turn[j] = turn_from_rest(t, j, place.topLeftCorner<3, 3>(), before);
     Eigen::Vector3d local = place_of(place);
     if (!root)
       local = before.transpose() *
-              (local - place_of(node[at(skeleton_.joints[at(joint.parent)].node)]));
-    if (!(local.cwiseAbs().maxCoeff() <= kAbsurd))
+              (local - place_of(node[node_index(skeleton_.joints[node_index(joint.parent)].node)]));
+    if (!(local.cwiseAbs().maxCoeff() <= kFarthest))
       throw DataError(at_joint(file_, static_cast<std::size_t>(t), name(j)),
                       "lies farther away than 1e7 m");
     const auto column = static_cast<Eigen::Index>(3 * j);
     places_.row(t).segment<3>(column) = local.transpose();
     turns_.row(t).segment<3>(column) =
-        kDegrees * euler_from_matrix(before.transpose() * turn[j], kOrder).transpose();
+        kDegrees * euler_from_matrix(before.transpose() * turn[j], kZxy).transpose();
   }
 
   // The rotation in what turns, and may stretch, the rest pose into this frame's. A joint that is
@@ -260,7 +257,7 @@ class Sampler {
   std::vector<Eigen::Matrix3d> from_rest_;
   std::vector<Eigen::Vector3d> offsets_;
   double size_ = 0;
-  Row places_, turns_;  // (frames, 3 x joints): metres, degrees
+  FrameRows places_, turns_;  // (frames, 3 x joints): metres, degrees
 };
 
 std::string clean(const std::string& name, std::set<std::string>& taken) {

@@ -3,27 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/text.h"
 #include "motion/body_mesh.h"
 #include "motion/floor.h"
 #include "motion/formats/skeleton_names.h"
 #include "motion/rotation.h"
+#include "motion/smpl_joints.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-// SMPL's joints.
-enum Smpl : int { kPelvis = 0, kSpine1 = 3, kSpine2 = 6, kSpine3 = 9, kNeck = 12, kHead = 15 };
-struct Side {
+// SMPL's joints of one side.
+struct SideJoints {
   int hip, knee, ankle, foot, collar, shoulder, elbow, wrist, hand;
   double left;  // +1, right: -1
 };
-constexpr Side kSides[] = {{1, 4, 7, 10, 13, 16, 18, 20, 22, 1},
-                           {2, 5, 8, 11, 14, 17, 19, 21, 23, -1}};
+constexpr SideJoints kSides[] = {{1, 4, 7, 10, 13, 16, 18, 20, 22, 1},
+                                 {2, 5, 8, 11, 14, 17, 19, 21, 23, -1}};
 
 Eigen::Vector3d row(const RestJoints& joints, int joint) {
   return joints.row(joint).transpose();
@@ -40,7 +39,7 @@ std::array<Eigen::Quaterniond, kJoints> rest_turns(const RestJoints& body, doubl
     turns[static_cast<std::size_t>(joint)] =
         shortest_rotation(row(body, child) - row(body, joint), direction);
   };
-  for (const Side& s : kSides) {
+  for (const SideJoints& s : kSides) {
     const Eigen::Vector3d arm(s.left * std::cos(arms_down), -std::sin(arms_down), 0);
     lay(s.shoulder, s.elbow, arm);
     lay(s.elbow, s.wrist, arm);
@@ -174,7 +173,7 @@ class Builder {
   }
 
   void arm(int chest, int side) {
-    const Side& s = kSides[side];
+    const SideJoints& s = kSides[side];
     int last = add(name(names_.collar, side), chest, s.collar);
     last = add(name(names_.shoulder, side), last, s.shoulder);
     last = add(name(names_.elbow, side), last, s.elbow);
@@ -184,7 +183,7 @@ class Builder {
 
   void legs(int pelvis) {
     for (int side = 0; side < 2; ++side) {
-      const Side& s = kSides[side];
+      const SideJoints& s = kSides[side];
       int last = pelvis;
       const std::string& joint_above = side == 0 ? names_.left_hip_joint : names_.right_hip_joint;
       if (!joint_above.empty()) last = addition(joint_above, pelvis, row(rest_, kPelvis));

@@ -17,7 +17,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr int kMaxDepth = 3;
+constexpr int kMaxFileDepth = 3;
 constexpr std::size_t kMaxPeople = 1000, kMaxLooks = 5000;  // dictionaries
 
 struct Person {
@@ -44,7 +44,7 @@ void find_people(const ArrayDict& dict, const std::string& name, int depth, std:
     people.push_back({name, std::move(*record)});
     return;
   }
-  if (depth >= kMaxDepth) return;
+  if (depth >= kMaxFileDepth) return;
   const bool both = dict.has(kWorld) && dict.has(kCamera);
   for (const std::string& key : dict.keys()) {
     if (people.size() >= kMaxPeople || looks > kMaxLooks || (both && key == kCamera)) continue;

@@ -10,7 +10,6 @@ namespace mocaplm {
 
 namespace {
 
-constexpr double kVideoFps = 30;
 const std::vector<std::size_t> kWhole = {22, 24, 52, 55};  // SMPL's body, SMPL, SMPL+H, SMPL-X
 
 std::string first_of(const ArrayDict& dict, const std::vector<std::string>& keys) {

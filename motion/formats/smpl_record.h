@@ -11,6 +11,9 @@
 
 namespace mocaplm {
 
+// Frames per second of the videos that programs find people in, where nobody says.
+constexpr double kVideoFps = 30;
+
 struct SmplRecord {
   Poses poses;                    // the hands are zero but for SMPL's own 24 joints
   Translations trans;             // SMPL's, in the file's axes; metres

@@ -11,9 +11,10 @@ namespace mocaplm {
 
 namespace {
 
-constexpr Eigen::Index kLooks = 100;       // frames
-constexpr double kUpright = 0.71;          // cosine: trunk and legs within 45 degrees of the axis
-constexpr double kMost = 0.6, kFew = 0.1;  // shares of the frames: for one axis, for all others
+constexpr Eigen::Index kLooks = 100;  // frames
+constexpr double kUpright = 0.71;     // cosine: trunk and legs within 45 degrees of the axis
+constexpr double kShareFor = 0.6,
+                 kShareElse = 0.1;  // shares of the frames: for one axis, for all others
 // Against what the layout says.
 constexpr double kNearlyAll = 0.8;
 
@@ -74,7 +75,7 @@ std::optional<UpAxis> find_up(const Clip& clip, UpAxis expected) {
   const auto share = [&](double frames) { return frames / static_cast<double>(looks); };
   double others = 0;
   for (std::size_t a = 0; a < 6; ++a) others += a == best ? 0 : upright[a];
-  if (share(upright[best]) < kMost || share(others) > kFew) return std::nullopt;
+  if (share(upright[best]) < kShareFor || share(others) > kShareElse) return std::nullopt;
   const auto found = static_cast<UpAxis>(best + 1);
   if (found == expected || expected == UpAxis::automatic) return found;
   if (share(upright[best]) < kNearlyAll) return std::nullopt;

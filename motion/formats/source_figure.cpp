@@ -8,14 +8,6 @@
 
 namespace mocaplm {
 
-namespace {
-
-std::size_t index(int joint) {
-  return static_cast<std::size_t>(joint);
-}
-
-}  // namespace
-
 SourceFigure::SourceFigure(const Bvh& bvh, const RetargetMap& map, const std::string& file)
     : bvh_(bvh) {
   joints_.fill(-1);
@@ -27,7 +19,7 @@ SourceFigure::SourceFigure(const Bvh& bvh, const RetargetMap& map, const std::st
     if (joints_[j] < 0) absent.push_back(map.joints[j]);
   }
   for (const int j : required_joints())
-    if (map.joints[index(j)].empty()) unnamed.push_back(joint_names()[index(j)]);
+    if (map.joints[joint_index(j)].empty()) unnamed.push_back(joint_names()[joint_index(j)]);
   if (!absent.empty())
     throw DataError(in_file(file), "has no joint " + join(absent, ", ") + ", which its map " +
                                        map.scheme + " names");
@@ -38,22 +30,23 @@ SourceFigure::SourceFigure(const Bvh& bvh, const RetargetMap& map, const std::st
 }
 
 Eigen::Vector3d SourceFigure::at(const BvhPose& pose, int smpl) const {
-  if (has(smpl)) return pose.positions[index(source(smpl))];
-  const int before = joint_parents()[index(smpl)];
-  return pose.positions[index(source(before))] +
-         pose.rotations[index(source(before))] * ends_[index(smpl)];
+  if (has(smpl)) return pose.positions[joint_index(source(smpl))];
+  const int before = joint_parents()[joint_index(smpl)];
+  return pose.positions[joint_index(source(before))] +
+         pose.rotations[joint_index(source(before))] * ends_[joint_index(smpl)];
 }
 
 void SourceFigure::find_limb_ends(const BvhPose& rest) {
   for (const int end : {7, 8, 20, 21}) {
     if (has(end)) continue;
-    const int middle = joint_parents()[index(end)], root = joint_parents()[index(middle)];
+    const int middle = joint_parents()[joint_index(end)],
+              root = joint_parents()[joint_index(middle)];
     const Eigen::Vector3d bone = at(rest, middle) - at(rest, root);
-    const Eigen::Matrix3d& turned = rest.rotations[index(source(middle))];
-    ends_[index(end)] = turned.transpose() * bone;
-    for (const Eigen::Vector3d& site : bvh_.joints[index(source(middle))].end_sites)
+    const Eigen::Matrix3d& turned = rest.rotations[joint_index(source(middle))];
+    ends_[joint_index(end)] = turned.transpose() * bone;
+    for (const Eigen::Vector3d& site : bvh_.joints[joint_index(source(middle))].end_sites)
       if (site.norm() > 0.5 * bone.norm() && site.norm() < 1.5 * bone.norm())
-        ends_[index(end)] = site;
+        ends_[joint_index(end)] = site;
   }
 }
 

@@ -11,6 +11,11 @@
 
 namespace mocaplm {
 
+// A joint that is there: not -1.
+inline std::size_t joint_index(int joint) {
+  return static_cast<std::size_t>(joint);
+}
+
 // Index of the source joint of every SMPL joint, -1 for none.
 using SourceJoints = std::array<int, kJoints>;
 

@@ -3,16 +3,16 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/text.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
-double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
+double degrees_apart(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return angle_between(a, b) / kRadians;
 }
 
 // Degrees that a pose may be off.
@@ -31,12 +31,13 @@ class Check {
     const Eigen::Vector3d hips = figure_.middle(pose_, 1, 2);
     const Eigen::Vector3d trunk = figure_.middle(pose_, 16, 17) - hips;
     out_.up = nearest_axis(trunk);
-    limit(angle(trunk, out_.up), limits_.trunk, "the trunk leans");
+    limit(degrees_apart(trunk, out_.up), limits_.trunk, "the trunk leans");
     const Eigen::Vector3d hip_line = at(1) - at(2), shoulder_line = at(16) - at(17);
-    limit(std::abs(90 - angle(hip_line, out_.up)), limits_.level, "the hips are off the level");
-    limit(std::abs(90 - angle(shoulder_line, out_.up)), limits_.level,
+    limit(std::abs(90 - degrees_apart(hip_line, out_.up)), limits_.level,
+          "the hips are off the level");
+    limit(std::abs(90 - degrees_apart(shoulder_line, out_.up)), limits_.level,
           "the shoulders are off the level");
-    limit(angle(level(hip_line), level(shoulder_line)), limits_.twist,
+    limit(degrees_apart(level(hip_line), level(shoulder_line)), limits_.twist,
           "the shoulders are turned against the hips");
     if (shoulder_line.norm() < 0.5 * hip_line.norm()) fail("the shoulders are folded in");
     out_.left = level(hip_line).normalized() + level(shoulder_line).normalized();
@@ -44,8 +45,8 @@ class Check {
     for (const int side : {0, 1}) {
       const Eigen::Vector3d thigh = at(4 + side) - at(1 + side), shin = at(7 + side) - at(4 + side);
       const Eigen::Vector3d leg = at(7 + side) - at(1 + side);
-      limit(angle(leg, -out_.up), limits_.leg, "a leg is off the vertical");
-      limit(angle(thigh, shin), limits_.knee, "a knee is bent");
+      limit(degrees_apart(leg, -out_.up), limits_.leg, "a leg is off the vertical");
+      limit(degrees_apart(thigh, shin), limits_.knee, "a knee is bent");
     }
     if (figure_.has(15) && (at(15) - figure_.middle(pose_, 16, 17)).dot(out_.up) < 0)
       fail("the head is not above the shoulders");
@@ -71,9 +72,9 @@ class Check {
       const Eigen::Vector3d upper = at(18 + side) - at(16 + side);
       const Eigen::Vector3d lower = at(20 + side) - at(18 + side);
       const Eigen::Vector3d outward = side == 0 ? out_.left : Eigen::Vector3d(-out_.left);
-      limit(angle(upper, lower), limits_.elbow, "an elbow is bent");
+      limit(degrees_apart(upper, lower), limits_.elbow, "an elbow is bent");
       const Eigen::Vector3d arm = at(20 + side) - at(16 + side);
-      raised[side] = 90 - angle(arm, out_.up);
+      raised[side] = 90 - degrees_apart(arm, out_.up);
       if (raised[side] > limits_.raised)
         fail("an arm is raised by " + format_fixed(raised[side], 0) + " degrees");
       if (raised[side] > -70 && arm.dot(outward) < 0.5 * level(arm).norm())

@@ -3,26 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/formats/recognise.h"
 #include "motion/rotation.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
-std::size_t index(int joint) {
-  return static_cast<std::size_t>(joint);
-}
-
-Eigen::Vector3d rest(int joint) {
-  return rest_joints().row(joint).transpose();
-}
-
-double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 // Axes along `across`, and as near to `up` as that allows.
 Eigen::Matrix3d frame(const Eigen::Vector3d& across, const Eigen::Vector3d& up) {
@@ -35,8 +23,9 @@ Eigen::Matrix3d frame(const Eigen::Vector3d& across, const Eigen::Vector3d& up) 
 
 // From the middle of SMPL's hips to the middle of its shoulders.
 Eigen::Vector3d smpl_trunk(const Rotations& world) {
-  return world[0] * (rest(3) - 0.5 * (rest(1) + rest(2))) + world[3] * (rest(6) - rest(3)) +
-         world[6] * (rest(9) - rest(6)) + world[9] * (0.5 * (rest(16) + rest(17)) - rest(9));
+  return world[0] * (rest_joint(3) - 0.5 * (rest_joint(1) + rest_joint(2))) +
+         world[3] * (rest_joint(6) - rest_joint(3)) + world[6] * (rest_joint(9) - rest_joint(6)) +
+         world[9] * (0.5 * (rest_joint(16) + rest_joint(17)) - rest_joint(9));
 }
 
 // Evenly through the file, at most 64.
@@ -67,7 +56,8 @@ Trunk::Trunk(const Bvh& bvh, const SourceFigure& figure, const RestPose& rest_po
   trunk_ = 0.5 * (bone(0, 16) + bone(0, 17));
   const auto inverse = [&](int smpl) -> Eigen::Matrix3d {
     if (!figure.has(smpl)) return Eigen::Matrix3d::Identity();
-    return (rest_pose.front * rest_pose.pose.rotations[index(figure.source(smpl))]).transpose();
+    return (rest_pose.front * rest_pose.pose.rotations[joint_index(figure.source(smpl))])
+        .transpose();
   };
   pelvis_rest_ = inverse(0);
   chest_rest_ = inverse(9);
@@ -89,17 +79,18 @@ Trunk::Trunk(const Bvh& bvh, const SourceFigure& figure, const RestPose& rest_po
   // What turns one for one with the source's joint stays as it is.
   bend_ = {single ? 0.8 * std::clamp((0.45 - chest) / 0.25, 0.0, 1.0) : 0.0,
            joints > 3 || !figure.has(3) ? 1.0 : 0.0, joints > 3 || !figure.has(6) ? 1.0 : 0.0};
-  const Eigen::Vector3d smpl_hips = 0.5 * (rest(1) + rest(2));
-  const Eigen::Vector3d smpl_whole = 0.5 * (rest(16) + rest(17)) - smpl_hips;
+  const Eigen::Vector3d smpl_hips = 0.5 * (rest_joint(1) + rest_joint(2));
+  const Eigen::Vector3d smpl_whole = 0.5 * (rest_joint(16) + rest_joint(17)) - smpl_hips;
   for (const int k : {0, 1}) {
-    const double height = (rest(3 + 3 * k) - smpl_hips).dot(smpl_whole) / smpl_whole.squaredNorm();
+    const double height =
+        (rest_joint(3 + 3 * k) - smpl_hips).dot(smpl_whole) / smpl_whole.squaredNorm();
     const double equal = (1.0 + k) / 3;
-    share_[index(k)] = !figure.has(9) ? equal : height >= chest - 0.02 ? 1 : height / chest;
+    share_[joint_index(k)] = !figure.has(9) ? equal : height >= chest - 0.02 ? 1 : height / chest;
   }
 }
 
 Eigen::Quaterniond Trunk::own_rotation(const BvhPose& pose, int smpl) const {
-  return quaternion_from_matrix(turn_ * pose.rotations[index(figure_.source(smpl))] *
+  return quaternion_from_matrix(turn_ * pose.rotations[joint_index(figure_.source(smpl))] *
                                 (smpl == 0 ? pelvis_rest_ : chest_rest_));
 }
 
@@ -108,7 +99,8 @@ bool Trunk::hips_turn_apart(const Bvh& bvh) const {
   BvhPose pose;
   for (const Eigen::Index t : some_frames(bvh)) {
     pose_bvh(bvh, t, pose);
-    if (angle(own_rotation(pose, 0) * hips_, source_bone(pose, 2, 1)) > 0.5 * kDegree) return true;
+    if (angle_between(own_rotation(pose, 0) * hips_, source_bone(pose, 2, 1)) > 0.5 * kRadians)
+      return true;
   }
   return false;
 }
@@ -125,7 +117,8 @@ bool Trunk::shoulders_turn_apart(const Bvh& bvh) const {
   BvhPose pose;
   for (const Eigen::Index t : frames) {
     pose_bvh(bvh, t, pose);
-    apart += angle(own_rotation(pose, 9) * shoulders_, source_bone(pose, 17, 16)) > 40 * kDegree;
+    apart += angle_between(own_rotation(pose, 9) * shoulders_, source_bone(pose, 17, 16)) >
+             40 * kRadians;
   }
   return 2 * apart > frames.size();
 }
@@ -162,22 +155,22 @@ Eigen::Vector3d Trunk::source_trunk(const BvhPose& pose) const {
 // Where SMPL's trunk should point: it leans against the pelvis as the source's does.
 Eigen::Vector3d Trunk::wanted(const BvhPose& pose, const Rotations& world) const {
   const Eigen::Vector3d straight =
-      world[0] * (0.5 * (rest(16) + rest(17)) - 0.5 * (rest(1) + rest(2)));
+      world[0] * (0.5 * (rest_joint(16) + rest_joint(17)) - 0.5 * (rest_joint(1) + rest_joint(2)));
   return shortest_rotation(world[0] * trunk_, source_trunk(pose)) * straight;
 }
 
 void Trunk::keep_direction(const BvhPose& pose, Rotations& world) const {
   if (!keep_ || bend_[1] + bend_[2] == 0 || source_trunk(pose).norm() < 1e-9) return;
   const Eigen::Vector3d goal = wanted(pose, world), now = smpl_trunk(world);
-  const double off = angle(now, goal);
+  const double off = angle_between(now, goal);
   if (off < 1e-6 || now.cross(goal).norm() < 1e-9) return;
   const Eigen::Vector3d axis = now.cross(goal).normalized();
   const Rotations start = world;
   const auto left_after = [&](double turn) {  // what is left of `off`, below 0 beyond the goal
     for (const int joint : {0, 3, 6})
-      world[index(joint)] =
-          (Eigen::Quaterniond(Eigen::AngleAxisd(bend_[index(joint / 3)] * turn, axis)) *
-           start[index(joint)])
+      world[joint_index(joint)] =
+          (Eigen::Quaterniond(Eigen::AngleAxisd(bend_[joint_index(joint / 3)] * turn, axis)) *
+           start[joint_index(joint)])
               .normalized();
     const Eigen::Vector3d reached = smpl_trunk(world);
     return std::atan2(reached.cross(goal).dot(axis), reached.dot(goal));

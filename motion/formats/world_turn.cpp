@@ -10,11 +10,11 @@ namespace mocaplm {
 
 namespace {
 
-constexpr UpAxis kAxes[] = {UpAxis::y,       UpAxis::z,       UpAxis::x,
-                            UpAxis::minus_y, UpAxis::minus_z, UpAxis::minus_x};
+constexpr UpAxis kUpAxes[] = {UpAxis::y,       UpAxis::z,       UpAxis::x,
+                              UpAxis::minus_y, UpAxis::minus_z, UpAxis::minus_x};
 
 UpAxis axis_of(const Eigen::Vector3d& v) {
-  for (const UpAxis axis : kAxes)
+  for (const UpAxis axis : kUpAxes)
     if (up_vector(axis).dot(v) > 0.9) return axis;
   return UpAxis::y;
 }
@@ -36,7 +36,7 @@ class Upright {
       const Eigen::Vector3d trunk = (figure.middle(pose, 16, 17) - hips).normalized();
       const Eigen::Vector3d legs = (hips - ankles).normalized();
       const double leg = figure.leg(pose);
-      for (const UpAxis axis : kAxes) {
+      for (const UpAxis axis : kUpAxes) {
         const Eigen::Vector3d up = up_vector(axis);
         if (trunk.dot(up) < 0.7 || legs.dot(up) < 0.6) continue;
         ++stands_[static_cast<std::size_t>(axis)];
@@ -67,7 +67,7 @@ WorldTurn find_world_turn(const Bvh& bvh, const RetargetMap& map, const SourceFi
     const Upright upright(bvh, figure);
     // One who lies on the floor lies along any axis; one who stands has the floor under the feet.
     if (upright.stands(of_rest) < 0.3)
-      for (const UpAxis axis : kAxes)
+      for (const UpAxis axis : kUpAxes)
         if (axis != of_rest && upright.stands(axis) > 0.7 && upright.grounded(axis) > 0.7) {
           up = axis;
           out.remark = "the rest pose has " + to_string(of_rest) +

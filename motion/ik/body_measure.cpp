@@ -122,7 +122,7 @@ void check_handedness(const PointTracks& tracks, const std::string& file) {
       bend -= bend.dot(line) / std::max(line.squaredNorm(), 1e-300) * line;
       const double knee_share = forward.dot(bend) / std::max((knee - hip).norm(), 1e-300);
       if (std::isfinite(knee_share)) knees += knee_share;
-      if (!tracks.given[static_cast<std::size_t>(kFoot[side])]) continue;
+      if (!tracks.has(kFoot[side])) continue;
       const double toe_share = forward.dot((tracks.at(t, kFoot[side]) - ankle).normalized());
       if (std::isfinite(toe_share)) toes += toe_share;
     }

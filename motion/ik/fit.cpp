@@ -7,6 +7,7 @@
 #include "motion/ik/limb.h"
 #include "motion/ik/trunk.h"
 #include "motion/rotation.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
@@ -16,16 +17,12 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Frames = std::vector<WorldRotations>;
 
-bool given(const PointTracks& tracks, int point) {
-  return tracks.given[static_cast<std::size_t>(point)];
-}
-
-struct Limb {
+struct LimbPoints {
   int parent, upper, lower, end, tip;  // joints: collar, shoulder, elbow, wrist, hand
   Vector3d hinge;
 };
 
-std::array<Limb, 4> limbs() {
+std::array<LimbPoints, 4> limbs() {
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY();
   return {{{0, 1, 4, 7, 10, x},
            {0, 2, 5, 8, 11, x},
@@ -47,7 +44,7 @@ Quaterniond aimed(const Quaterniond& rotation, const Vector3d& rest, const Vecto
   return (shortest_rotation(rotation * rest, to) * rotation).normalized();
 }
 
-void pose_limb(const PointTracks& tracks, const Limb& limb, Frames& world) {
+void pose_limb(const PointTracks& tracks, const LimbPoints& limb, Frames& world) {
   const auto at = [](int joint) { return static_cast<std::size_t>(joint); };
   const std::vector<Vector3d> upper = directions(tracks, limb.upper, limb.lower),
                               lower = directions(tracks, limb.lower, limb.end);
@@ -63,8 +60,8 @@ void pose_limb(const PointTracks& tracks, const Limb& limb, Frames& world) {
       limb_rotations({rest_upper.normalized(), rest_lower.normalized(), limb.hinge}, seen_upper,
                      seen_lower, tracks.fps);
   const int heel = limb.end == 7 ? kLeftHeel : limb.end == 8 ? kRightHeel : -1;
-  const bool has_tip = given(tracks, limb.tip);
-  const bool has_heel = heel >= 0 && given(tracks, heel) && has_tip;
+  const bool has_tip = tracks.has(limb.tip);
+  const bool has_heel = heel >= 0 && tracks.has(heel) && has_tip;
   const std::vector<Vector3d> tip =
       has_tip ? directions(tracks, limb.end, limb.tip) : std::vector<Vector3d>();
   Vector3d sole = Vector3d::UnitZ();
@@ -130,15 +127,15 @@ class Distances {
 // as the source's and had the figure's lengths.
 void measure(const PointTracks& tracks, const TrunkPoints& points, PositionFit& fit) {
   std::array<bool, kJoints> counts{};
-  for (int j = 0; j < kJoints; ++j) counts[static_cast<std::size_t>(j)] = given(tracks, j);
+  for (int j = 0; j < kJoints; ++j) counts[static_cast<std::size_t>(j)] = tracks.has(j);
   // Joints of the same name that are other places.
   counts[0] = points.pelvis;
   counts[12] = counts[12] && points.neck;
   for (const int collar : {13, 14}) counts[static_cast<std::size_t>(collar)] = points.collars;
   // Toes and knuckles of other key points; beside a heel the sole decides, not the ankle's bone.
   for (const int tip : {10, 11, 22, 23}) counts[static_cast<std::size_t>(tip)] &= points.spine;
-  counts[10] &= !given(tracks, kLeftHeel);
-  counts[11] &= !given(tracks, kRightHeel);
+  counts[10] &= !tracks.has(kLeftHeel);
+  counts[11] &= !tracks.has(kRightHeel);
   Distances from_bones, from_source;
   for (Eigen::Index t = 0; t < tracks.frames(); ++t) {
     const JointPositions posed = joint_positions(fit.clip, t);
@@ -176,7 +173,7 @@ PositionFit fit_positions(const PointTracks& tracks, double unit, bool keep_path
   for (std::size_t t = 0; t < world.size(); ++t)
     pose_trunk(tracks, points, static_cast<Eigen::Index>(t), t > 0 ? &world[t - 1] : nullptr,
                world[t]);
-  for (const Limb& limb : limbs()) pose_limb(tracks, limb, world);
+  for (const LimbPoints& limb : limbs()) pose_limb(tracks, limb, world);
   fit.clip.fps = tracks.fps;
   fit.clip.poses.resize(tracks.frames(), 72);
   fit.clip.trans.resize(tracks.frames(), 3);

@@ -3,30 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/rotation.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Radians between the bones: below the first the plane counts nothing, above the second all.
 constexpr double kStraight = 0.14, kBent = 0.45;
 constexpr double kFolded = 0.5;     // radians short of folded flat, where the plane is noise again
 constexpr double kNeutral = 0.003;  // weight of the shortest way from the rest pose
 constexpr double kSeconds = 0.03;   // over which the turn of a bent limb is smoothed
-
-Eigen::Matrix3d frame_of(const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
-  Eigen::Matrix3d frame;
-  frame.col(0) = first.normalized();
-  frame.col(1) = (second - second.dot(frame.col(0)) * frame.col(0)).normalized();
-  frame.col(2) = frame.col(0).cross(frame.col(1));
-  return frame;
-}
-
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 // The lower bone in the rest pose's frame after bending about the hinge until it makes the angle
 // `bend` with the upper one; the nearest that can be reached.
@@ -45,10 +34,6 @@ double turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to
   const Eigen::Vector3d across = rest.unitOrthogonal();
   const Eigen::Vector3d a = from * across, b = to * across;
   return std::atan2(axis.dot(a.cross(b)), a.dot(b));
-}
-
-double nearest_turn(double angle, double to) {
-  return angle + 2 * kPi * std::round((to - angle) / (2 * kPi));
 }
 
 // The x that makes sum_t weight_t (x_t - value_t)^2 + tie (x_t - x_(t-1))^2 least: a tridiagonal
@@ -72,7 +57,8 @@ std::vector<double> smooth(const std::vector<double>& value, const std::vector<d
 Eigen::Quaterniond frame_rotation(const Eigen::Vector3d& first, const Eigen::Vector3d& second,
                                   const Eigen::Vector3d& to_first,
                                   const Eigen::Vector3d& to_second) {
-  return Eigen::Quaterniond(frame_of(to_first, to_second) * frame_of(first, second).transpose());
+  return Eigen::Quaterniond(frame_along(to_first, to_second) *
+                            frame_along(first, second).transpose());
 }
 
 std::vector<Eigen::Quaterniond> limb_rotations(const LimbRest& rest,

@@ -35,6 +35,7 @@ struct PointTracks {
   Eigen::Matrix<double, Eigen::Dynamic, 3 * kPoints, Eigen::RowMajor> places;  // a row a frame
 
   Eigen::Index frames() const { return places.rows(); }
+  bool has(int point) const { return given[static_cast<std::size_t>(point)]; }
   Eigen::Vector3d at(Eigen::Index frame, int point) const {
     return places.row(frame).segment<3>(3 * point).transpose();
   }

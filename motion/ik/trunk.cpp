@@ -6,6 +6,8 @@
 #include "motion/ik/body_measure.h"
 #include "motion/ik/limb.h"
 #include "motion/rotation.h"
+#include "motion/smpl_joints.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
@@ -14,17 +16,6 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr int kPelvis = 0, kLeftHip = 1, kRightHip = 2, kSpine1 = 3, kSpine2 = 6, kSpine3 = 9,
-              kNeck = 12, kLeftCollar = 13, kRightCollar = 14, kHead = 15, kLeftShoulder = 16,
-              kRightShoulder = 17;
-
-bool given(const PointTracks& tracks, int point) {
-  return tracks.given[static_cast<std::size_t>(point)];
-}
-
-Vector3d rest_joint(int joint) {
-  return rest_joints().row(joint).transpose();
-}
 Vector3d rest_middle(int a, int b) {
   return (rest_joint(a) + rest_joint(b)) / 2;
 }
@@ -52,8 +43,9 @@ Quaterniond turned_by(const Vector3d& rest_across, const Vector3d& rest_up, cons
   return frame_rotation(rest_across, rest_up, across, up);
 }
 
-// `rotation` turned the shortest way so that the rest pose's bone points along `to`.
-Quaterniond aimed(const Quaterniond& rotation, const Vector3d& rest, const Vector3d& to) {
+// `rotation` turned the shortest way so that the rest pose's bone points along `to`; itself
+// where that has no length.
+Quaterniond aimed_if_given(const Quaterniond& rotation, const Vector3d& rest, const Vector3d& to) {
   return to.squaredNorm() > 0 ? Quaterniond(shortest_rotation(rotation * rest, to) * rotation)
                               : rotation;
 }
@@ -126,7 +118,7 @@ void lift_shoulders(const Vector3d& trunk, const Vector3d& across, const TrunkPo
     // A target at the collar itself has no direction to speak of.
     if (wanted.norm() < bone.norm() / 2) continue;
     Quaterniond& rotation = world[static_cast<std::size_t>(collar)];
-    rotation = aimed(rotation, bone, wanted);
+    rotation = aimed_if_given(rotation, bone, wanted);
   }
 }
 
@@ -135,14 +127,15 @@ void pose_head(const PointTracks& tracks, const TrunkPoints& points, Eigen::Inde
   const Quaterniond chest = world[kSpine3];
   world[kNeck] = chest;
   if (points.neck && points.head)
-    world[kNeck] = aimed(chest, rest_bone(kNeck, kHead), tracks.at(t, kHead) - tracks.at(t, kNeck));
+    world[kNeck] =
+        aimed_if_given(chest, rest_bone(kNeck, kHead), tracks.at(t, kHead) - tracks.at(t, kNeck));
   world[kHead] = world[kNeck];
   // Rough places on SMPL's head, seen from between the shoulders: their directions are all that
   // counts.
   const Vector3d top(0, 0.33, 0.05), nose(0, 0.20, 0.14);
   const Vector3d shoulders = tracks.middle(t, kLeftShoulder, kRightShoulder);
-  const bool ears = given(tracks, kLeftEar) && given(tracks, kRightEar);
-  const bool has_nose = given(tracks, kNose), has_top = given(tracks, kHeadTop);
+  const bool ears = tracks.has(kLeftEar) && tracks.has(kRightEar);
+  const bool has_nose = tracks.has(kNose), has_top = tracks.has(kHeadTop);
   if (ears && (has_nose || has_top)) {
     const Vector3d middle = tracks.middle(t, kLeftEar, kRightEar);
     const Vector3d second = tracks.at(t, has_nose ? kNose : kHeadTop) - middle;
@@ -153,8 +146,8 @@ void pose_head(const PointTracks& tracks, const TrunkPoints& points, Eigen::Inde
         turned_by(Vector3d::UnitY(), Vector3d::UnitZ(), tracks.at(t, kHeadTop) - shoulders,
                   tracks.at(t, kNose) - tracks.at(t, kHeadTop), chest);
   } else if (has_nose || has_top) {
-    world[kHead] =
-        aimed(chest, has_top ? top : nose, tracks.at(t, has_top ? kHeadTop : kNose) - shoulders);
+    world[kHead] = aimed_if_given(chest, has_top ? top : nose,
+                                  tracks.at(t, has_top ? kHeadTop : kNose) - shoulders);
   } else {
     return;
   }
@@ -170,16 +163,16 @@ TrunkPoints trunk_points(const PointTracks& tracks) {
   };
   // SMPL's pelvis lies 0.66 hip widths over the middle of the hips, its collars are 0.46 of the
   // shoulders apart and its neck 0.6 collar widths above them.
-  if (given(tracks, kPelvis)) {
+  if (tracks.has(kPelvis)) {
     const auto above = [](const PointTracks& p, Eigen::Index t) {
       return (p.at(t, kPelvis) - p.middle(t, kLeftHip, kRightHip)).norm();
     };
     points.pelvis_is_middle = ratio(median_of(tracks, above), median_of(tracks, hip_width)) < 0.25;
     points.pelvis = !points.pelvis_is_middle;
   }
-  points.spine = given(tracks, kSpine1) && given(tracks, kSpine2) && given(tracks, kSpine3);
-  points.collars = given(tracks, kLeftCollar) && given(tracks, kRightCollar);
-  points.neck = given(tracks, kNeck);
+  points.spine = tracks.has(kSpine1) && tracks.has(kSpine2) && tracks.has(kSpine3);
+  points.collars = tracks.has(kLeftCollar) && tracks.has(kRightCollar);
+  points.neck = tracks.has(kNeck);
   if (points.collars) {
     const auto collars = [](const PointTracks& p, Eigen::Index t) {
       return (p.at(t, kLeftCollar) - p.at(t, kRightCollar)).norm();
@@ -192,14 +185,14 @@ TrunkPoints trunk_points(const PointTracks& tracks) {
   if (points.neck) {
     // Between the shoulders or the collars it says nothing about the chest.
     const auto height = [](const PointTracks& p, Eigen::Index t) {
-      const bool has_collars = given(p, kLeftCollar) && given(p, kRightCollar);
+      const bool has_collars = p.has(kLeftCollar) && p.has(kRightCollar);
       const int left = has_collars ? kLeftCollar : kLeftShoulder;
       return ratio((p.at(t, kNeck) - p.middle(t, left, left + 1)).norm(),
                    (p.at(t, kLeftShoulder) - p.at(t, kRightShoulder)).norm());
     };
     points.neck = median_of(tracks, height) > 0.1;
   }
-  points.head = given(tracks, kHead);
+  points.head = tracks.has(kHead);
   const BodyMeasure source = measure_body(tracks);
   // Bodies of about SMPL's proportions are scaled as a whole: medians hold what was danced, too.
   const double scale = ratio(smpl_measure().leg(), source.leg());
@@ -219,10 +212,6 @@ Vector3d direction(const PointTracks& tracks, Eigen::Index frame, int a, int b,
   return length > 0 ? Vector3d(way / length) : fallback;
 }
 
-Vector3d rest_bone(int a, int b) {
-  return rest_joint(b) - rest_joint(a);
-}
-
 void pose_trunk(const PointTracks& tracks, const TrunkPoints& points, Eigen::Index frame,
                 const WorldRotations* before, WorldRotations& world) {
   const auto last = [&](int joint) {
@@ -237,8 +226,8 @@ void pose_trunk(const PointTracks& tracks, const TrunkPoints& points, Eigen::Ind
   if (points.spine) {
     for (const auto& [joint, child] : {std::pair{kSpine1, kSpine2}, std::pair{kSpine2, kSpine3}}) {
       Quaterniond& rotation = world[static_cast<std::size_t>(joint)];
-      rotation = aimed(rotation, rest_bone(joint, child),
-                       tracks.at(frame, child) - tracks.at(frame, joint));
+      rotation = aimed_if_given(rotation, rest_bone(joint, child),
+                                tracks.at(frame, child) - tracks.at(frame, joint));
     }
   }
   world[kLeftCollar] = world[kRightCollar] = world[kSpine3];
@@ -246,8 +235,8 @@ void pose_trunk(const PointTracks& tracks, const TrunkPoints& points, Eigen::Ind
     for (const int collar : {kLeftCollar, kRightCollar}) {
       const int shoulder = collar + kLeftShoulder - kLeftCollar;
       Quaterniond& rotation = world[static_cast<std::size_t>(collar)];
-      rotation = aimed(rotation, rest_bone(collar, shoulder),
-                       tracks.at(frame, shoulder) - tracks.at(frame, collar));
+      rotation = aimed_if_given(rotation, rest_bone(collar, shoulder),
+                                tracks.at(frame, shoulder) - tracks.at(frame, collar));
     }
   }
   keep_trunk_direction(trunk, world);

@@ -26,8 +26,6 @@ TrunkPoints trunk_points(const PointTracks& tracks);
 // Direction from a to b, by `fallback` where they coincide.
 Eigen::Vector3d direction(const PointTracks& tracks, Eigen::Index frame, int a, int b,
                           const Eigen::Vector3d& fallback);
-// The rest pose's bone from a to b, metres.
-Eigen::Vector3d rest_bone(int a, int b);
 
 // Sets the rotations of pelvis (0), spine (3, 6, 9), neck (12), collars (13, 14) and head (15).
 // `before`: the frame before, for what cannot be told in this one; null for the first.

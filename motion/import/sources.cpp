@@ -11,7 +11,7 @@ namespace mocaplm {
 
 namespace {
 
-constexpr std::size_t kMaxName = 180;  // bytes: a file name has 255, and needs an extension
+constexpr std::size_t kMaxFileName = 180;  // bytes: a file name has 255, and needs an extension
 
 fs::path plain(const fs::path& path) {
   const fs::path normal = path.lexically_normal();
@@ -92,7 +92,7 @@ std::string clip_name(std::string name) {
   for (char& c : name)
     if (static_cast<unsigned char>(c) < 32 || c == 127 || c == '/') c = '_';
   if (!name.empty() && name[0] == '.') name[0] = '_';
-  if (name.size() > kMaxName) name.resize(kMaxName);
+  if (name.size() > kMaxFileName) name.resize(kMaxFileName);
   return name.empty() ? "clip" : name;
 }
 

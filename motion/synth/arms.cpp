@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/rotation.h"
 #include "motion/synth/beat.h"
 
 namespace mocaplm {
 
 namespace {
-
-constexpr double kTurn = 6.283185307179586;
 
 // Where the way between the two ends stands, 0 to 1, after `u` cycles.
 double progress(Curve curve, double u, double attack) {

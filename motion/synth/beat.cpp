@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
+
 namespace mocaplm {
 
 namespace {
-
-constexpr double kTurn = 6.283185307179586;
 
 double fraction(double u) {
   return u - std::floor(u);

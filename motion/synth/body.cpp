@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 #include "motion/synth/leg_ik.h"
@@ -11,8 +12,6 @@
 namespace mocaplm {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Eigen::Matrix3d turn(int axis, double angle) {
   return matrix_from_axis_angle(angle * Eigen::Vector3d::Unit(axis));

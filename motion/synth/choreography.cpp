@@ -1,10 +1,10 @@
 #include "motion/synth/choreography.h"
 
+#include "common/angles.h"
+
 namespace mocaplm {
 
 namespace {
-
-constexpr double kPi = 3.141592653589793;
 
 const std::string& draw(const std::vector<std::pair<std::string, double>>& choices,
                         Random& random) {

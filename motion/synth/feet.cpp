@@ -12,20 +12,20 @@ namespace mocaplm {
 namespace {
 
 constexpr double kShortestSwing = 0.13;  // seconds
-constexpr double kTopSpeed = 1.3;        // of a step, metres a second on average
+constexpr double kTopStepSpeed = 1.3;    // of a step, metres a second on average
 constexpr double kTopTurn = 3.5;         // of a foot, radians a second on average
 constexpr double kRoom = 1.2;            // metres from the middle at which a dancer turns back
 // A foot travels only while it is well over the floor: nothing skates.
 constexpr double kLeaveFloor = 0.2;
 
-struct Place {
+struct FootPlace {
   Eigen::Vector2d spot = Eigen::Vector2d::Zero();  // world x, z
   double yaw = 0;
 };
 
 struct Swing {
   double start = 0, end = 0;  // seconds
-  Place from, to;
+  FootPlace from, to;
   double lift = 0, kick = 0;
 };
 
@@ -78,15 +78,15 @@ class Planner {
     swings[foot].push_back(swing);
   }
 
-  Place first(int foot) const { return first_[foot]; }
+  FootPlace first(int foot) const { return first_[foot]; }
 
   std::array<std::vector<Swing>, 2> swings;
   std::vector<Turn> turns;
 
  private:
-  Place place(int foot, const Step& step) const {
+  FootPlace place(int foot, const Step& step) const {
     const double out = stance_.width + stance_.step_scale * step.out;
-    Place place;
+    FootPlace place;
     place.spot = centre_ + turned(heading_, outwards(foot) * out, stance_.step_scale * step.front);
     place.yaw = heading_ + outwards(foot) * stance_.turnout;
     return place;
@@ -95,7 +95,7 @@ class Planner {
   // A foot goes only as far as it can in its time; the next step makes up for the rest.
   static void shorten(Swing& swing, double time) {
     const Eigen::Vector2d way = swing.to.spot - swing.from.spot;
-    const double share = std::min(1.0, kTopSpeed * time / std::max(1e-9, way.norm()));
+    const double share = std::min(1.0, kTopStepSpeed * time / std::max(1e-9, way.norm()));
     swing.to.spot = swing.from.spot + share * way;
     const double turn = swing.to.yaw - swing.from.yaw;
     swing.to.yaw = swing.from.yaw + std::clamp(turn, -kTopTurn * time, kTopTurn * time);
@@ -112,15 +112,15 @@ class Planner {
   Stance stance_;
   double heading_;
   Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();
-  std::array<Place, 2> feet_, first_;
+  std::array<FootPlace, 2> feet_, first_;
   std::array<double, 2> landed_ = {-1e-9, -1e-9};
 };
 
 // Where a foot is at `time`; `swings` in order, `next` the first that has not ended yet.
 void set_foot(FootPath& path, Eigen::Index frame, double time, const std::vector<Swing>& swings,
-              std::size_t& next, Place& place) {
+              std::size_t& next, FootPlace& place) {
   while (next < swings.size() && time >= swings[next].end) place = swings[next++].to;
-  Place now = place;
+  FootPlace now = place;
   double lift = 0, pitch = 0;
   if (next < swings.size() && time > swings[next].start) {
     const Swing& swing = swings[next];
@@ -174,7 +174,7 @@ FootPlan plan_feet(const std::vector<PlannedStep>& steps, const Stance& stance, 
     path.yaw.resize(frames);
     path.pitch.resize(frames);
     std::size_t next = 0;
-    Place place = planner.first(foot);
+    FootPlace place = planner.first(foot);
     for (Eigen::Index t = 0; t < frames; ++t) {
       const double time = static_cast<double>(t) / fps;
       set_foot(path, t, time, planner.swings[side], next, place);

@@ -5,6 +5,7 @@
 
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
+#include "motion/vectors.h"
 
 namespace mocaplm {
 
@@ -27,16 +28,6 @@ Bones bones_of(int side) {
 
 Eigen::Matrix3d bend_knee(double angle) {
   return matrix_from_axis_angle(angle * Eigen::Vector3d::UnitX());
-}
-
-// The right-handed frame whose first axis is `along` and whose second is as near to `across` as can
-// be.
-Eigen::Matrix3d frame_of(const Eigen::Vector3d& along, const Eigen::Vector3d& across) {
-  Eigen::Matrix3d frame;
-  frame.col(0) = along.normalized();
-  frame.col(1) = (across - across.dot(frame.col(0)) * frame.col(0)).normalized();
-  frame.col(2) = frame.col(0).cross(frame.col(1));
-  return frame;
 }
 
 // |thigh + R_x(a) shin|^2 = c + 2 r cos(a - phi): solved for the bend `a` that gives `distance`.
@@ -65,7 +56,7 @@ LegRotations solve_leg(int side, const Eigen::Vector3d& hip, const Eigen::Vector
   const Eigen::Matrix3d knee = bend_knee(angle);
   const Eigen::Vector3d leg = bones.thigh + knee * bones.shin;
   const Eigen::Matrix3d thigh =
-      frame_of(way, across) * frame_of(leg, Eigen::Vector3d::UnitX()).transpose();
+      frame_along(way, across) * frame_along(leg, Eigen::Vector3d::UnitX()).transpose();
   LegRotations solved;
   solved.hip = axis_angle_from_matrix(pelvis.transpose() * thigh);
   solved.knee = angle * Eigen::Vector3d::UnitX();

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/synth/smooth.h"
 
 namespace mocaplm {
 
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
 constexpr double kBlend = 0.3;        // beats before and after a change of move in which both mix
 constexpr double kSmoothing = 0.036;  // seconds: muscles know no corners
-constexpr double kTopSpeed = 13;      // of an arm's hit, radians a second
+constexpr double kTopHitSpeed = 13;   // of an arm's hit, radians a second
 
 // Slow, small, never quite repeating.
 class Wander {
@@ -202,7 +202,7 @@ class Dancer {
   ArmPose arm_of(const Move& move, int side, double since, double size) const {
     // A longer way takes longer: arms have a top speed.
     const double way = arm_travel(move.arms) * size * move.size * style_.amplitude;
-    const double attack = std::max(attack_, 1.9 * way / kTopSpeed / beat_seconds_);
+    const double attack = std::max(attack_, 1.9 * way / kTopHitSpeed / beat_seconds_);
     const ArmPose pose = arm_pose(move.arms, move.flipped ? 1 - side : side, since, attack);
     return styled(pose, style_, size * move.size, side);
   }

@@ -13,7 +13,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::completion_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -139,4 +139,4 @@ TEST_F(Completion, ZshCompletes) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::completion_test

@@ -19,7 +19,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::convert_command_test {
 namespace {
 
 class Convert : public testing::Test {
@@ -210,4 +210,4 @@ TEST_F(Convert, NeverWritesOverAMotionThatIsRead) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::convert_command_test

@@ -8,7 +8,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::data_commands_test {
 namespace {
 
 const std::string kSmall = " --genres WA --dancers 1 --choreographies 1 --seconds 1";
@@ -106,4 +106,4 @@ TEST_F(DataCommands, FoldersOfOthersAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::data_commands_test

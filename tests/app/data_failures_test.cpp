@@ -3,7 +3,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::data_failures_test {
 namespace {
 
 using DataFailures = TrainedRun;
@@ -65,4 +65,4 @@ TEST_F(DataFailures, DamagedDatasetsNameTheFile) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::data_failures_test

@@ -12,7 +12,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::doctor_test {
 namespace {
 
 std::string value_of(const Json& table, const std::string& key, const std::string& first,
@@ -69,4 +69,4 @@ TEST(Doctor, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::doctor_test

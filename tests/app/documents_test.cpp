@@ -15,7 +15,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::documents_test {
 namespace {
 
 const fs::path kRoot = MOCAPLM_SOURCE_DIR;
@@ -153,4 +153,4 @@ TEST(Documents, NameConfigsThatAreThere) {
         << "docs/settings.md does not name " << entry.path();
 }
 
-}  // namespace mocaplm
+}  // namespace mocaplm::documents_test

@@ -10,7 +10,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::emulate_command_test {
 namespace {
 
 class EmulateCommand : public ::testing::Test {
@@ -87,4 +87,4 @@ TEST_F(EmulateCommand, TooLittleToFitToIsNamed) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::emulate_command_test

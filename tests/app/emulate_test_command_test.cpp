@@ -9,7 +9,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::emulate_test_command_test {
 namespace {
 
 class EmulateTestCommand : public ::testing::Test {
@@ -103,4 +103,4 @@ TEST_F(EmulateTestCommand, NothingToSplitIsSaid) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::emulate_test_command_test

@@ -18,7 +18,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::examples_slow_test {
 namespace {
 
 const Json kTiny = {{"tokenizer", {{"bins", 60}, {"joints", {"thesis"}}}},
@@ -138,4 +138,4 @@ TEST_F(Examples, OfEveryCommandRunAsWritten) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::examples_slow_test

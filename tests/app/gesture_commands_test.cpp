@@ -11,7 +11,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::gesture_commands_test {
 namespace {
 
 constexpr const char* kPhases =
@@ -160,4 +160,4 @@ TEST_F(Gesture, BadInputIsAClearAnswer) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::gesture_commands_test

@@ -14,7 +14,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::help_test {
 namespace {
 
 bool has_torch() {
@@ -251,4 +251,4 @@ TEST(ManPage, NamesEveryCommandAndIsSoundRoff) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::help_test

@@ -16,7 +16,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::info_files_test {
 namespace {
 
 class InfoFiles : public ::testing::Test {
@@ -227,4 +227,4 @@ TEST_F(InfoFiles, OthersAreRefused) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::info_files_test

@@ -11,7 +11,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::info_test {
 namespace {
 
 class Info : public ::testing::Test {
@@ -72,4 +72,4 @@ TEST_F(Info, RefusesConfigsThatNoModelHas) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::info_test

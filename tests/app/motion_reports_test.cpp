@@ -9,7 +9,7 @@
 #include "motion/floor.h"
 #include "motion/formats/bvh.h"
 
-namespace mocaplm {
+namespace mocaplm::motion_reports_test {
 namespace {
 
 class MotionReports : public ::testing::Test {
@@ -84,4 +84,4 @@ TEST_F(MotionReports, TheNamesOfOtherCommandsAreTaken) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::motion_reports_test

@@ -3,7 +3,7 @@
 #include "support/pages_in_browser.h"
 #include "app/trained_run.h"
 
-namespace mocaplm {
+namespace mocaplm::pages_in_browser_test {
 namespace {
 
 class CommandPages : public TrainedRun {
@@ -83,4 +83,4 @@ TEST_F(CommandPages, OfTokenizersShowWhatIsLost) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::pages_in_browser_test

@@ -1,7 +1,7 @@
 // Models of pieces from the command line.
 #include "app/trained_run.h"
 
-namespace mocaplm {
+namespace mocaplm::pieces_commands_test {
 
 namespace {
 
@@ -73,4 +73,4 @@ TEST_F(PiecesCommands, ChangedPiecesAreRefused) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::pieces_commands_test

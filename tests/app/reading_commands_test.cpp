@@ -19,7 +19,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::reading_commands_test {
 namespace {
 
 constexpr int kFiles = 8;  // gestures and emulators are learnt from several
@@ -321,4 +321,4 @@ TEST_F(Reading, ClipsOfADatasetAreNamedByItsFolder) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::reading_commands_test

@@ -9,7 +9,7 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
-namespace mocaplm {
+namespace mocaplm::render_command_test {
 namespace {
 
 class RenderCommand : public testing::Test {
@@ -62,4 +62,4 @@ TEST_F(RenderCommand, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::render_command_test

@@ -15,7 +15,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::spectral_commands_test {
 namespace {
 
 class SpectralCommands : public testing::Test {
@@ -185,4 +185,4 @@ TEST_F(SpectralCommands, InterpolateEvaluatesPairs) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::spectral_commands_test

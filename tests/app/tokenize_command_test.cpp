@@ -11,7 +11,7 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
-namespace mocaplm {
+namespace mocaplm::tokenize_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,4 +93,4 @@ TEST_F(TokenizeCommand, RefusesWhatDoesNotGoTogether) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::tokenize_command_test

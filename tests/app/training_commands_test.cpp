@@ -8,7 +8,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::training_commands_test {
 namespace {
 
 using TrainingCommands = TrainedRun;
@@ -187,4 +187,4 @@ TEST_F(TrainingCommands, ResumeGoesOnWithTheRunsOwnSettings) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::training_commands_test

@@ -3,7 +3,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::training_failures_test {
 namespace {
 
 using TrainingFailures = TrainedRun;
@@ -77,4 +77,4 @@ TEST_F(TrainingFailures, LabelsNameWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::training_failures_test

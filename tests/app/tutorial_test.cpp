@@ -14,7 +14,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::tutorial_test {
 namespace {
 
 std::vector<std::string> shell_blocks(const fs::path& document) {
@@ -72,4 +72,4 @@ TEST(Tutorial, RunsAsWritten) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::tutorial_test

@@ -5,7 +5,7 @@
 #include "common/error.h"
 #include "common/temporary_folder.h"
 
-namespace mocaplm::bench {
+namespace mocaplm::bench::collect_test {
 namespace {
 
 BenchRun run_of(const std::string& text) {
@@ -120,4 +120,4 @@ TEST(Collect, WritesATableAndTheMachine) {
 }
 
 }  // namespace
-}  // namespace mocaplm::bench
+}  // namespace mocaplm::bench::collect_test

@@ -15,7 +15,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::classifier_test {
 namespace {
 
 class ClassTokens : public ::testing::Test {
@@ -164,4 +164,4 @@ TEST(Classify, TellsClearlyDifferentClassesApart) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::classifier_test

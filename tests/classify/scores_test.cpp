@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace mocaplm {
+namespace mocaplm::scores_test {
 namespace {
 
 // Clips a, b of class 0, c of class 1, d without the label; two windows each, but one of c.
@@ -90,4 +90,4 @@ TEST(Tables, ShowPercentAndClassNames) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::scores_test

@@ -7,7 +7,7 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
-namespace mocaplm {
+namespace mocaplm::windows_test {
 namespace {
 
 constexpr std::size_t kWindow = 10;
@@ -128,4 +128,4 @@ TEST_F(Windows, FeaturesAreTheChannelsValues) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::windows_test

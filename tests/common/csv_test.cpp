@@ -4,7 +4,7 @@
 
 #include "common/error.h"
 
-namespace mocaplm {
+namespace mocaplm::csv_test {
 namespace {
 
 using Row = std::vector<std::string>;
@@ -59,4 +59,4 @@ TEST(Csv, ColumnSuggestsTheNearest) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::csv_test

@@ -9,7 +9,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::find_program_test {
 namespace {
 
 TEST(FindProgram, TakesTheFirstOnThePathThatMayBeRun) {
@@ -30,4 +30,4 @@ TEST(FindProgram, TakesTheFirstOnThePathThatMayBeRun) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::find_program_test

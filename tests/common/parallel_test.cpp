@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace mocaplm {
+namespace mocaplm::parallel_test {
 namespace {
 
 TEST(Parallel, EveryIndexOnce) {
@@ -35,4 +35,4 @@ TEST(Parallel, ThrowsTheErrorOfTheLowestIndex) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::parallel_test

@@ -4,7 +4,7 @@
 
 #include "common/error.h"
 
-namespace mocaplm {
+namespace mocaplm::pattern_test {
 namespace {
 
 using Named = std::vector<std::pair<std::string, std::string>>;
@@ -70,4 +70,4 @@ TEST(Pattern, StopsWhenItTakesTooLong) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::pattern_test

@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-namespace mocaplm {
+namespace mocaplm::progress_test {
 namespace {
 
 class ProgressLines : public ::testing::Test {
@@ -137,4 +137,4 @@ TEST_F(ProgressLines, OfARunThatGoesOnCountWhatItDidItself) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::progress_test

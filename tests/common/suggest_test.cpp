@@ -6,7 +6,7 @@
 #include "common/random.h"
 #include "common/text.h"
 
-namespace mocaplm {
+namespace mocaplm::suggest_test {
 namespace {
 
 // The definition (Boytsov 2011, equation 3.1), without a table: what the last letters became.
@@ -84,4 +84,4 @@ TEST(KnownNames, EndAMessage) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::suggest_test

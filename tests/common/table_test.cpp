@@ -5,7 +5,7 @@
 
 #include "common/text.h"
 
-namespace mocaplm {
+namespace mocaplm::table_test {
 namespace {
 
 TEST(Table, AlignsTheFirstColumnLeftAndTheOthersRight) {
@@ -52,4 +52,4 @@ TEST(Table, LeavesAWordWhole) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::table_test

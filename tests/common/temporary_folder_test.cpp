@@ -8,7 +8,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::temporary_folder_test {
 namespace {
 
 TEST(TemporaryFolder, IsOnesOwnAndGoesWithAllThatIsInIt) {
@@ -37,4 +37,4 @@ TEST(TemporaryFolder, SaysWhyThereIsNone) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::temporary_folder_test

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include "common/angles.h"
 #include "emulator/helpers.h"
 #include "emulator/representation.h"
 
-namespace mocaplm {
+namespace mocaplm::align_test {
 
 namespace {
 
@@ -93,14 +94,14 @@ TEST(Field, IsThatOfTheWarpedPath) {
   Eigen::VectorXd times(n + 1);
   for (Eigen::Index t = 0; t <= n; ++t) {
     const double x = static_cast<double>(t) / n;
-    times[t] = n * (x + 0.1 * std::sin(2 * M_PI * x));
+    times[t] = n * (x + 0.1 * std::sin(2 * kPi * x));
   }
   const Eigen::MatrixXd h = square_root_velocity(path, reference);
   const Eigen::MatrixXd warped = square_root_velocity(read_at(path, times), reference);
   for (Eigen::Index t = 10; t < n; t += 97) {
     const double x = (static_cast<double>(t) + 0.5) / n;
-    const double slope = 1 + 0.1 * 2 * M_PI * std::cos(2 * M_PI * x);
-    const double at = n * (x + 0.1 * std::sin(2 * M_PI * x));
+    const double slope = 1 + 0.1 * 2 * kPi * std::cos(2 * kPi * x);
+    const double at = n * (x + 0.1 * std::sin(2 * kPi * x));
     const Eigen::VectorXd expected = std::sqrt(slope) * h.col(static_cast<Eigen::Index>(at));
     EXPECT_LT((warped.col(t) - expected).norm(), 0.02 * expected.norm() + 0.01);
   }
@@ -137,7 +138,7 @@ TEST(Align, RecoversAKnownWarp) {
     Eigen::VectorXd times(321);
     for (Eigen::Index t = 0; t < 321; ++t) {
       const double x = static_cast<double>(t) / 320;
-      times[t] = 200 * (x + bend * std::sin(M_PI * x) * std::sin(M_PI * x));
+      times[t] = 200 * (x + bend * std::sin(kPi * x) * std::sin(kPi * x));
     }
     const PostureSequence other = read_at(fixed, times);
     const Posture reference = mean_posture({fixed});
@@ -148,7 +149,7 @@ TEST(Align, RecoversAKnownWarp) {
     for (Eigen::Index t = 0; t <= 200; t += 10) {
       const double at = aligned.warping[t] * 320;
       const double x = at / 320;
-      EXPECT_NEAR(x + bend * std::sin(M_PI * x) * std::sin(M_PI * x), t / 200.0, 0.01);
+      EXPECT_NEAR(x + bend * std::sin(kPi * x) * std::sin(kPi * x), t / 200.0, 0.01);
     }
     EXPECT_LT(sequence_distance(aligned.sequence, fixed),
               0.05 + 0.25 * sequence_distance(normalised(other, 201), fixed));
@@ -172,7 +173,7 @@ TEST(Align, AllToOneAndToTheirMean) {
     Eigen::VectorXd times(100 + 10 * k);
     for (Eigen::Index t = 0; t < times.size(); ++t) {
       const double x = static_cast<double>(t) / static_cast<double>(times.size() - 1);
-      times[t] = 150 * (x + bend * std::sin(2 * M_PI * x));
+      times[t] = 150 * (x + bend * std::sin(2 * kPi * x));
     }
     sequences.push_back(read_at(centre, times));
   }
@@ -219,4 +220,4 @@ TEST(Align, BadInputIsRefused) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::align_test

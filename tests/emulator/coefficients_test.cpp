@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "emulator/gaussians.h"
 
-namespace mocaplm {
+namespace mocaplm::coefficients_test {
 
 namespace {
 
@@ -35,7 +36,7 @@ Eigen::MatrixXd covariance(const Eigen::MatrixXd& x) {
 // The density of a Gaussian, with inverse and determinant.
 double plain_log_density(const Eigen::VectorXd& x, const Eigen::VectorXd& mean,
                          const Eigen::MatrixXd& c) {
-  return -0.5 * static_cast<double>(x.size()) * std::log(2 * M_PI) -
+  return -0.5 * static_cast<double>(x.size()) * std::log(2 * kPi) -
          0.5 * std::log(c.determinant()) - 0.5 * (x - mean).dot(c.inverse() * (x - mean));
 }
 
@@ -345,4 +346,4 @@ TEST(Coefficients, BadInputIsRefused) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::coefficients_test

@@ -5,14 +5,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/random.h"
 #include "emulator/angles.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::distances_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // Random unit directions; some nearly alike or opposite to the last frame's.
 PostureSequence random_sequence(Eigen::Index limbs, Eigen::Index frames, std::uint64_t seed) {
@@ -124,4 +123,4 @@ TEST(SequenceDistances, RefuseWhatDoesNotGoTogether) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::distances_test

@@ -5,10 +5,11 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "common/angles.h"
 #include "emulator/helpers.h"
 #include "emulator/representation.h"
 
-namespace mocaplm {
+namespace mocaplm::emulator_test {
 
 namespace {
 
@@ -120,8 +121,8 @@ TEST(Emulator, LogLikelihoodIsThatOfTheCoefficients) {
   const Eigen::RowVectorXd variance = (x.rowwise() - mean).colwise().squaredNorm() / 29;
   double sum = 0;
   for (int i = 0; i < 12; ++i)
-    sum += -0.5 * std::log(2 * M_PI * variance[i]) -
-           0.5 * std::pow(x(4, i) - mean[i], 2) / variance[i];
+    sum +=
+        -0.5 * std::log(2 * kPi * variance[i]) - 0.5 * std::pow(x(4, i) - mean[i], 2) / variance[i];
   EXPECT_NEAR(emulator->log_likelihood(all[4]), sum, 1e-6);
   EXPECT_LT(mean.norm(), 1e-9);
 }
@@ -191,4 +192,4 @@ TEST(Scheme, NamesAreParsed) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::emulator_test

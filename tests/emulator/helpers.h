@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/random.h"
 #include "emulator/sequence.h"
 #include "emulator/sphere.h"
@@ -36,7 +37,7 @@ inline PostureSequence random_sequence(Random& random, Eigen::Index limbs, Eigen
     for (auto& axis : waves)
       for (auto& wave : axis) {
         wave[0] = random.uniform(-swing, swing) / 3;
-        wave[1] = random.uniform(0, 2 * M_PI);
+        wave[1] = random.uniform(0, 2 * kPi);
       }
     for (Eigen::Index t = 0; t < frames; ++t) {
       const double time =
@@ -44,7 +45,7 @@ inline PostureSequence random_sequence(Random& random, Eigen::Index limbs, Eigen
       Eigen::Vector2d at = Eigen::Vector2d::Zero();
       for (int a = 0; a < 2; ++a)
         for (int k = 0; k < 3; ++k)
-          at[a] += waves[a][k][0] * std::sin((k + 1) * M_PI * time + waves[a][k][1]);
+          at[a] += waves[a][k][0] * std::sin((k + 1) * kPi * time + waves[a][k][1]);
       sequence.at(t).col(i) = sphere_exp(centre.col(i), basis * at);
     }
   }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include "common/angles.h"
 #include "common/random.h"
 #include "emulator/body.h"
 #include "motion/rotation.h"
@@ -11,7 +12,7 @@
 #include "motion/synth.h"
 #include "motion/turn.h"
 
-namespace mocaplm {
+namespace mocaplm::landmarks_test {
 
 namespace {
 
@@ -164,16 +165,16 @@ TEST(Body, TurnsAreReadAndAveragedAlongTheShorterWay) {
   Eigen::MatrixXd turns(1, 3);
   turns << 3.0, -3.0, -2.0;
   const Eigen::MatrixXd at = turns_at(turns, Eigen::Vector3d(0.5, 1.25, 5));
-  EXPECT_NEAR(at(0, 0), M_PI, 1e-12);
+  EXPECT_NEAR(at(0, 0), kPi, 1e-12);
   EXPECT_NEAR(at(0, 1), -2.75, 1e-12);
   EXPECT_NEAR(at(0, 2), -2, 1e-12);
   Eigen::MatrixXd other = turns;
   other(0, 0) = -3;
   const Eigen::MatrixXd mean = mean_turns({turns, other});
-  EXPECT_NEAR(std::abs(mean(0, 0)), M_PI, 1e-12);
+  EXPECT_NEAR(std::abs(mean(0, 0)), kPi, 1e-12);
   EXPECT_NEAR(mean(0, 2), -2, 1e-12);
 }
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::landmarks_test

@@ -7,7 +7,7 @@
 #include "motion/skeleton.h"
 #include "motion/synth.h"
 
-namespace mocaplm {
+namespace mocaplm::motions_test {
 
 namespace {
 
@@ -126,4 +126,4 @@ TEST(Motions, DamagedFilesAreRefused) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::motions_test

@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::reduction_test {
 
 namespace {
 
@@ -176,4 +176,4 @@ TEST(Reduction, BadInputIsRefused) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::reduction_test

@@ -6,7 +6,7 @@
 
 #include "emulator/helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::representation_test {
 
 namespace {
 
@@ -122,4 +122,4 @@ TEST(Representation, OneFrameIsItsPosture) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::representation_test

@@ -4,7 +4,7 @@
 
 #include "emulator/helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::sequence_test {
 
 namespace {
 
@@ -103,4 +103,4 @@ TEST(Sequence, BadInputIsNamed) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::sequence_test

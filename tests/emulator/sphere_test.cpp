@@ -4,9 +4,10 @@
 
 #include <Eigen/Geometry>
 
+#include "common/angles.h"
 #include "emulator/helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::sphere_test {
 
 namespace {
 
@@ -18,7 +19,7 @@ TEST(Sphere, DistanceIsTheArcCosine) {
   }
   const Eigen::Vector3d x(1, 0, 0);
   EXPECT_EQ(sphere_distance(x, x), 0);
-  EXPECT_DOUBLE_EQ(sphere_distance(x, -x), M_PI);
+  EXPECT_DOUBLE_EQ(sphere_distance(x, -x), kPi);
   // arccos would say 0 here.
   EXPECT_NEAR(sphere_distance(x, Eigen::Vector3d(1, 1e-10, 0)), 1e-10, 1e-20);
 }
@@ -27,7 +28,7 @@ TEST(Sphere, ExpIsARotationAboutTheNormal) {
   Random random(2);
   for (int k = 0; k < 200; ++k) {
     const Eigen::Vector3d y = random_direction(random);
-    const double angle = random.uniform(1e-9, 3 * M_PI);
+    const double angle = random.uniform(1e-9, 3 * kPi);
     const Eigen::Vector3d v = random_tangent(random, y, angle);
     const Eigen::Vector3d turned = Eigen::AngleAxisd(angle, y.cross(v).normalized()) * y;
     EXPECT_LT((sphere_exp(y, v) - turned).norm(), 1e-14);
@@ -40,7 +41,7 @@ TEST(Sphere, LogUndoesExp) {
   Random random(3);
   for (int k = 0; k < 500; ++k) {
     const Eigen::Vector3d y = random_direction(random);
-    const Eigen::Vector3d v = random_tangent(random, y, random.uniform(0, M_PI - 1e-3));
+    const Eigen::Vector3d v = random_tangent(random, y, random.uniform(0, kPi - 1e-3));
     EXPECT_LT((sphere_log(y, sphere_exp(y, v)) - v).norm(), 1e-12);
     const Eigen::Vector3d z = random_direction(random);
     EXPECT_LT((sphere_exp(y, sphere_log(y, z)) - z).norm(), 1e-14);
@@ -82,7 +83,7 @@ TEST(Sphere, CoincidentAndOppositePoints) {
     EXPECT_EQ(sphere_log(y, y).norm() < 1e-15, true);
     EXPECT_LT((sphere_transport(v, y, y) - v).norm(), 1e-13);
     const Eigen::Vector3d there = sphere_log(y, -y);
-    EXPECT_NEAR(there.norm(), M_PI, 1e-15);
+    EXPECT_NEAR(there.norm(), kPi, 1e-15);
     EXPECT_NEAR(there.dot(y), 0, 1e-15);
     EXPECT_LT((sphere_exp(y, there) + y).norm(), 1e-15);
     const Eigen::Vector3d moved = sphere_transport(v, y, -y);
@@ -143,4 +144,4 @@ TEST(Sphere, MeanOfTwoIsBetweenAndOfOppositePointsIsOnTheEquator) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::sphere_test

@@ -6,9 +6,10 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
+#include "common/angles.h"
 #include "common/error.h"
 
-namespace mocaplm {
+namespace mocaplm::var_test {
 
 namespace {
 
@@ -65,7 +66,7 @@ TEST(Var, IsLeastSquares) {
   double sum = 0;
   for (int t = 3; t < 30; ++t) {
     const Eigen::VectorXd e = rest.row(27 + t - 3).transpose();
-    sum += -std::log(2 * M_PI) - 0.5 * std::log(s.determinant()) - 0.5 * e.dot(s.inverse() * e);
+    sum += -std::log(2 * kPi) - 0.5 * std::log(s.determinant()) - 0.5 * e.dot(s.inverse() * e);
   }
   EXPECT_NEAR(var.log_likelihood(courses[1]), sum, 0.05);
 }
@@ -114,4 +115,4 @@ TEST(Var, FilesAndBadInput) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::var_test

@@ -9,7 +9,7 @@
 #include "common/random.h"
 #include "tests/tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::baselines_test {
 namespace {
 
 BinMatrix random_bins(std::uint64_t seed, Eigen::Index frames, Eigen::Index channels, int bins) {
@@ -127,4 +127,4 @@ TEST(Baselines, ReadTheBinsOfATokenStream) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::baselines_test

@@ -8,7 +8,7 @@
 #include "support/random_model.h"
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::likelihood_test {
 namespace {
 
 constexpr std::size_t kPerFrame = 4, kRoom = 5;  // (24 - 1 .. 4 prefix tokens) / 4 tokens a frame
@@ -125,4 +125,4 @@ TEST(ScoreClips, AModelOfZerosKnowsNothing) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::likelihood_test

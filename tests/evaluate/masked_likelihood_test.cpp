@@ -10,7 +10,7 @@
 #include "support/random_model.h"
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::masked_likelihood_test {
 namespace {
 
 constexpr std::size_t kPerFrame = 4, kRoom = 5;
@@ -74,4 +74,4 @@ TEST(ScoreMaskedClips, EqualsOneTokenAtATime) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::masked_likelihood_test

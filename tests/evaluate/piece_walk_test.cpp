@@ -20,7 +20,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::piece_walk_test {
 
 namespace {
 
@@ -243,4 +243,4 @@ TEST(ScorePieceClips, IsTheSumOfThePiecesOfEachFrame) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::piece_walk_test

@@ -12,7 +12,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::precision_test {
 
 namespace {
 
@@ -129,4 +129,4 @@ TEST_F(TrainedModel, GreedyStreamsAgreeForLong) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::precision_test

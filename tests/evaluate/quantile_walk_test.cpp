@@ -8,7 +8,7 @@
 #include "motion/synth.h"
 #include "train/trainer.h"
 
-namespace mocaplm {
+namespace mocaplm::quantile_walk_test {
 
 namespace {
 
@@ -72,4 +72,4 @@ TEST(QuantileWalk, AModelOfQuantileBinsTrainsGeneratesAndIsEvaluated) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::quantile_walk_test

@@ -7,7 +7,7 @@
 #include "common/temporary_folder.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::experiment_test {
 namespace {
 
 class ExperimentFile : public testing::Test {
@@ -129,4 +129,4 @@ TEST_F(ExperimentFile, TheThesissTablesAreThere) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::experiment_test

@@ -7,7 +7,7 @@
 
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::report_test {
 namespace {
 
 // `joints` with bits 1, 2, 3, ... over the channels, 3 of the root, and a separator of half a bit.
@@ -102,4 +102,4 @@ TEST(ExperimentReport, ResultsAreKeptAsJson) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::report_test

@@ -13,7 +13,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::runner_test {
 namespace {
 
 class ExperimentRunner : public testing::Test {
@@ -182,4 +182,4 @@ TEST(RowFolder, IsReadable) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::runner_test

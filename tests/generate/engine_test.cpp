@@ -11,7 +11,7 @@
 #include "support/refusal.h"
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::engine_test {
 
 namespace {
 
@@ -239,4 +239,4 @@ TEST(Engine, MissingAndOddTensorsAreNamed) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::engine_test

@@ -13,7 +13,7 @@
 #include "support/refusal.h"
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::frame_decoder_test {
 
 namespace {
 
@@ -248,4 +248,4 @@ TEST(FrameDecoder, MissingAndOddTensorsAreNamed) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::frame_decoder_test

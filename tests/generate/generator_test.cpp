@@ -14,7 +14,7 @@
 #include "tokenizer/random_clips.h"
 #include "train/stream_shape.h"
 
-namespace mocaplm {
+namespace mocaplm::generator_test {
 
 namespace {
 
@@ -340,4 +340,4 @@ TEST(FrozenShare, CountsFramesInWhichNothingMovesMoreThanOneBin) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::generator_test

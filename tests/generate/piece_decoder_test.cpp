@@ -15,7 +15,7 @@
 #include "tokenizer/random_clips.h"
 #include "train/stream_shape.h"
 
-namespace mocaplm {
+namespace mocaplm::piece_decoder_test {
 
 namespace {
 
@@ -230,4 +230,4 @@ TEST_F(PieceDance, TheConfigComesBack) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::piece_decoder_test

@@ -9,7 +9,7 @@
 
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::sampler_test {
 
 namespace {
 
@@ -161,4 +161,4 @@ TEST(Sampler, LogitsThatAreNotFiniteAreRefused) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::sampler_test

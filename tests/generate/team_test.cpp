@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-namespace mocaplm {
+namespace mocaplm::team_test {
 
 namespace {
 
@@ -55,4 +55,4 @@ TEST(Team, ZeroIsOneThreadACore) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::team_test

@@ -9,7 +9,7 @@
 #include "gesture/made_up.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::adapt_test {
 namespace {
 
 const Boundary kBoundary = boundary_between({0.2, -0.4}, {2.3, 0.6}, 0.8);
@@ -224,4 +224,4 @@ TEST(Correction, RefusesWhatComesTooLate) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::adapt_test

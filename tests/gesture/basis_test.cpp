@@ -6,9 +6,10 @@
 #include <cmath>
 #include <complex>
 
+#include "common/angles.h"
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::basis_test {
 namespace {
 
 // A smooth movement that the basis does not hold.
@@ -28,7 +29,7 @@ TEST(Basis, IsEquationTwo) {
   const Eigen::VectorXd phi = basis.at(0.3);
   EXPECT_EQ(phi(0), 1);
   EXPECT_EQ(phi(1), 0.3);
-  for (int k = 1; k <= 3; ++k) EXPECT_NEAR(phi(k + 1), std::sin(k * M_PI * 0.3), 1e-15);
+  for (int k = 1; k <= 3; ++k) EXPECT_NEAR(phi(k + 1), std::sin(k * kPi * 0.3), 1e-15);
   const Eigen::MatrixXd table = basis.table(11);
   EXPECT_LT((table.row(3).transpose() - phi).cwiseAbs().maxCoeff(), 1e-14);
   EXPECT_EQ(table(10, 4), 0) << "exactly zero at the end";
@@ -62,7 +63,7 @@ TEST(Expansion, IsTheFourierTransformOfTheOddExtension) {
       std::complex<double> sum = 0;
       for (Eigen::Index j = 0; j < period; ++j) {
         const double odd = j <= 32 ? d(j) : -d(period - j);
-        sum += odd * std::polar(1.0, -2 * M_PI * k * static_cast<double>(j) / 64);
+        sum += odd * std::polar(1.0, -2 * kPi * k * static_cast<double>(j) / 64);
       }
       EXPECT_NEAR(sum.real(), 0, 1e-12) << "no cosines";
       if (k > 0) {
@@ -130,4 +131,4 @@ TEST(Resample, KeepsSamplesAndEnds) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::basis_test

@@ -9,7 +9,7 @@
 #include "gesture/juggling/juggle.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::juggling_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -161,4 +161,4 @@ TEST(Juggle, NeedsItsPhases) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::juggling_test

@@ -7,7 +7,7 @@
 #include "gesture/made_up.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::model_test {
 namespace {
 
 GestureModel made_up_model() {
@@ -79,4 +79,4 @@ TEST(GestureModel, DamagedFilesAreAnErrorAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::model_test

@@ -4,10 +4,11 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "gesture/made_up.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::phase_model_test {
 namespace {
 
 struct Fit {
@@ -46,7 +47,7 @@ TEST(PhaseModel, GeneratesByTheEquations) {
         double coefficient = 0;
         for (int j = 0; j < 5; ++j) coefficient += model.f(v * 6 + k + 1, j) * q[j];
         EXPECT_NEAR(p(k + 1, v), coefficient, 1e-12);
-        y += coefficient * std::sin(k * M_PI * tau);
+        y += coefficient * std::sin(k * kPi * tau);
       }
       EXPECT_NEAR(values(t, v), y, 1e-12);
     }
@@ -155,4 +156,4 @@ TEST(PhaseModel, RefusesWhatCannotBeLearnt) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::phase_model_test

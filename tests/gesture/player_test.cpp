@@ -7,7 +7,7 @@
 
 #include "gesture/made_up.h"
 
-namespace mocaplm {
+namespace mocaplm::player_test {
 namespace {
 
 // Two phases of the same movements: the first is over where x passes 1, the second with its time.
@@ -89,4 +89,4 @@ TEST(GesturePlayer, PlaysAllPhasesWithoutAJump) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::player_test

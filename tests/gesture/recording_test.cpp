@@ -6,7 +6,7 @@
 #include "common/temporary_folder.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::recording_test {
 namespace {
 
 class Recorded : public ::testing::Test {
@@ -85,4 +85,4 @@ TEST_F(Recorded, FilesHaveNamesOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::recording_test

@@ -6,7 +6,7 @@
 
 #include "gesture/made_up.h"
 
-namespace mocaplm {
+namespace mocaplm::report_test {
 namespace {
 
 struct Reported {
@@ -114,4 +114,4 @@ TEST(Report, FewDemonstrationsHaveNoHalves) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::report_test

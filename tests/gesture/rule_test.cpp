@@ -5,10 +5,11 @@
 #include <cmath>
 #include <functional>
 
+#include "common/angles.h"
 #include "common/random.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::rule_test {
 namespace {
 
 const std::vector<std::string> kPlane = {"x", "y"};
@@ -53,13 +54,13 @@ TEST(Rule, ThresholdsHoldWhereTheyShould) {
 TEST(Rule, ASpeedMinimumIsFoundAfterItsRise) {
   // Speed |cos| of a swing: minimum at pi / 2 s after a peak at 0.
   const auto swing = [](double t) { return Eigen::Vector2d(std::sin(t), 0); };
-  EXPECT_NEAR(over("speed minimum", swing), M_PI / 2, 0.012);
+  EXPECT_NEAR(over("speed minimum", swing), kPi / 2, 0.012);
   // Never below half of the peak.
   const auto wavy = [](double t) { return Eigen::Vector2d(t + 0.04 * std::sin(8 * t), 0); };
   EXPECT_EQ(over("speed minimum", wavy), -1);
   EXPECT_GT(over("speed minimum 0.9", wavy), 0);
   // The recording ends in rest.
-  const auto stop = [](double t) { return Eigen::Vector2d(t < 1 ? std::sin(M_PI * t / 2) : 1, 0); };
+  const auto stop = [](double t) { return Eigen::Vector2d(t < 1 ? std::sin(kPi * t / 2) : 1, 0); };
   EXPECT_GT(over("speed minimum", stop), 0.99);
 }
 
@@ -68,7 +69,7 @@ TEST(Rule, NoiseDoesNotEndAPhase) {
   const auto noisy = [&](double t) {
     return Eigen::Vector2d(std::sin(t) + 2e-5 * random.normal(), 0);
   };
-  EXPECT_NEAR(over("speed minimum", noisy), M_PI / 2, 0.06);
+  EXPECT_NEAR(over("speed minimum", noisy), kPi / 2, 0.06);
 }
 
 TEST(MotionEstimator, IsExactForParabolasAndNoisyByTheBook) {
@@ -122,4 +123,4 @@ TEST(Rule, RefusesWhatCannotBeRead) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::rule_test

@@ -4,9 +4,10 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::segment_test {
 namespace {
 
 // x goes to 1 and back within 2 s, `times` times, at 100 Hz.
@@ -18,7 +19,7 @@ Recordings swings(int times) {
   one.name = "s";
   const Eigen::Index n = 200 * times + 1;
   one.time = Eigen::VectorXd::LinSpaced(n, 0, 2 * times);
-  one.values = (1 - (M_PI * one.time.array()).cos()) / 2;
+  one.values = (1 - (kPi * one.time.array()).cos()) / 2;
   one.more.resize(n, 0);
   all.all.push_back(one);
   return all;
@@ -100,4 +101,4 @@ TEST(Segment, RefusesPiecesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::segment_test

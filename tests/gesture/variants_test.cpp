@@ -4,7 +4,7 @@
 
 #include "gesture/made_up.h"
 
-namespace mocaplm {
+namespace mocaplm::variants_test {
 namespace {
 
 TEST(Variants, TellWhatTheyAre) {
@@ -51,4 +51,4 @@ TEST(Variants, PeakAccelerationIsThatOfTheSamples) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::variants_test

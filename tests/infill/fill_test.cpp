@@ -6,11 +6,12 @@
 #include <cmath>
 #include <set>
 
+#include "common/angles.h"
 #include "model/masked_input.h"
 #include "support/random_model.h"
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::fill_test {
 namespace {
 
 struct Case {
@@ -74,7 +75,7 @@ TEST(FillHidden, TakesTheSurestFirst) {
       order.insert({-share[best].item<double>(), i, static_cast<std::int32_t>(4 + best)});
     }
     const auto left =
-        round == kRounds ? 0 : static_cast<std::size_t>(all * std::cos(M_PI / 2 * round / kRounds));
+        round == kRounds ? 0 : static_cast<std::size_t>(all * std::cos(kPi / 2 * round / kRounds));
     std::size_t taken = 0;
     for (const auto& [probability, place, id] : order)
       if (taken++ + left < order.size()) ids[place] = id;
@@ -98,4 +99,4 @@ TEST(FillHidden, NothingHiddenStaysAsItIs) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::fill_test

@@ -15,7 +15,7 @@
 #include "tokenizer/tokenizer.h"
 #include "train/stream_shape.h"
 
-namespace mocaplm {
+namespace mocaplm::infill_test {
 namespace {
 
 class Infill : public testing::Test {
@@ -134,4 +134,4 @@ TEST(Bridged, IsALineBetweenTheFramesAround) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::infill_test

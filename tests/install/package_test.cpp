@@ -5,7 +5,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::package_test {
 namespace {
 
 class Package : public TrainedRun {
@@ -52,4 +52,4 @@ TEST_F(Package, LetsAnotherProgramContinueADance) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::package_test

@@ -12,7 +12,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::program_test {
 namespace {
 
 TEST(Install, GivesProgramsManualAndCompletions) {
@@ -37,4 +37,4 @@ TEST(Install, GivesProgramsManualAndCompletions) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::program_test

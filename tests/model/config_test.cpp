@@ -6,7 +6,7 @@
 #include "support/refusal.h"
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::config_test {
 
 namespace {
 
@@ -133,4 +133,4 @@ TEST(ModelConfig, JsonOfNothingButBracketsIsRefused) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::config_test

@@ -12,7 +12,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::directory_test {
 
 namespace {
 
@@ -251,4 +251,4 @@ TEST_F(ModelDirectory, SelfTestsAllowRoundingOnly) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::directory_test

@@ -7,7 +7,7 @@
 
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::input_test {
 
 namespace {
 
@@ -154,4 +154,4 @@ TEST(ModelInput, AppendingOneByOneIsTheWindow) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::input_test

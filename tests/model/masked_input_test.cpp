@@ -10,7 +10,7 @@
 #include "model/directory.h"
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::masked_input_test {
 namespace {
 
 ModelDescription masked_description() {
@@ -137,4 +137,4 @@ TEST(MaskedInput, MaskedModelsOfFramesAreRefused) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::masked_input_test

@@ -12,7 +12,7 @@
 #include "common/temporary_folder.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::safetensors_test {
 
 namespace {
 
@@ -161,4 +161,4 @@ TEST_F(Safetensors, AMissingFileIsADataError) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::safetensors_test

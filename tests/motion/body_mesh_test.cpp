@@ -9,7 +9,7 @@
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::body_mesh_test {
 namespace {
 
 Eigen::Vector3d corner(const BodyMesh& mesh, std::size_t i) {
@@ -124,4 +124,4 @@ TEST(BodyMesh, Poses) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::body_mesh_test

@@ -12,7 +12,7 @@
 #include "motion/mirror.h"
 #include "motion/resample.h"
 
-namespace mocaplm {
+namespace mocaplm::body_model_test {
 namespace {
 
 struct MadeUpModel {
@@ -207,4 +207,4 @@ TEST(BodyModel, ShapesStayWithTheirMotion) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::body_model_test

@@ -4,7 +4,7 @@
 
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::chosen_clips_test {
 namespace {
 
 // a and b walk, c and d run; d has no style; a is of the test split.
@@ -82,4 +82,4 @@ TEST(ChosenClips, LabelsAreCheckedForWhoeverAsks) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::chosen_clips_test

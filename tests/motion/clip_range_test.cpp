@@ -7,7 +7,7 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
-namespace mocaplm {
+namespace mocaplm::clip_range_test {
 namespace {
 
 TEST(ClipRange, IsReadAsWritten) {
@@ -39,4 +39,4 @@ TEST(ClipRange, TakesFramesOfTheClip) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::clip_range_test

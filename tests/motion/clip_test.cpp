@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "motion/helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::clip_test {
 namespace {
 
 std::string refusal(const Clip& clip) {
@@ -74,4 +74,4 @@ TEST(Clip, SliceKeepsEverythingElse) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::clip_test

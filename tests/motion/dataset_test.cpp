@@ -10,7 +10,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::dataset_test {
 namespace {
 
 // Writes clips of the given names; all in train.
@@ -199,4 +199,4 @@ TEST(DatasetWrite, NeverCostsWhatWasThere) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::dataset_test

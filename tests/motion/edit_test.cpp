@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "motion/body_mesh.h"
 #include "motion/floor.h"
@@ -14,10 +15,8 @@
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::edit_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Clip some_clip(std::uint64_t seed, Eigen::Index frames = 30) {
   Random random(seed);
@@ -129,4 +128,4 @@ TEST(Edit, AlignFloorPutsTheJointsOnTheFloor) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::edit_test

@@ -11,12 +11,13 @@
 #include "common/temporary_folder.h"
 #include "motion/formats/bvh.h"
 #include "motion/formats/npz.h"
+#include "motion/formats/scene.h"
 #include "motion/helpers.h"
 #include "motion/skeleton.h"
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::import_test {
 namespace {
 
 class ImportTest : public ::testing::Test {
@@ -66,6 +67,35 @@ TEST_F(ImportTest, FoldersAreSearchedAndNamesStayApart) {
   const Dataset dataset = load_dataset(out());
   for (const DatasetEntry& entry : dataset.entries)
     EXPECT_EQ(load_clip(dataset, entry).frames(), 12);
+}
+
+// A chair beside the takes is no broken file; alone it makes no dataset.
+TEST_F(ImportTest, FilesWithoutMotionAreLeftOutWithARemark) {
+  write("walk.npz", 1);
+  write("chair.npz", 2);
+  strict_ = true;
+  ImportJob given = job();
+  given.read = [](const fs::path& path, const ReadOptions& options) {
+    if (path.stem() == "chair") throw NoMotion(in_file(path.string()), "has 3 meshes, no skeleton");
+    return read_clips(path, options);
+  };
+  const ImportReport report = import_motion({}, given);
+  EXPECT_EQ(report.imported, 1u);
+  EXPECT_TRUE(report.broken.empty());
+  const std::string chair = (in_ / "chair.npz").string() + " was left out, for it has 3 meshes";
+  const auto lines = remark_lines(report);
+  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+    return line.find("chair.npz: was left out, for it has 3 meshes, no skeleton") != line.npos;
+  }));
+  given.sources = {(in_ / "chair.npz").string()};
+  given.out = out_ / "none";
+  try {
+    import_motion({}, given);
+    FAIL() << "a chair is no dataset";
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find(chair), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(fs::exists(given.out));
 }
 
 TEST_F(ImportTest, LabelsFromNamesFoldersExpressionsAndTables) {
@@ -401,4 +431,4 @@ TEST_F(ImportTest, ReadersAreToldWhatTheCommandWas) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::import_test

@@ -9,7 +9,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::inputs_test {
 namespace {
 
 class Inputs : public testing::Test {
@@ -139,4 +139,4 @@ TEST_F(Inputs, AFileOfSeveralPeopleIsTakenWholeOrByPart) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::inputs_test

@@ -6,7 +6,7 @@
 #include "motion/turn.h"
 #include "tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::joint_path_test {
 namespace {
 
 TEST(JointPath, InTheWorldIsForwardKinematics) {
@@ -38,4 +38,4 @@ TEST(JointPath, ARestingBodyIsAsItIs) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::joint_path_test

@@ -6,7 +6,7 @@
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::mirror_test {
 namespace {
 
 // Forward kinematics on a rest pose that is exactly symmetric about x = pelvis.
@@ -79,4 +79,4 @@ TEST(Mirror, SwapsTheSidesThatLabelsName) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::mirror_test

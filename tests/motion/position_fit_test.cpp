@@ -10,7 +10,7 @@
 #include "motion/skeleton.h"
 #include "motion/synth.h"
 
-namespace mocaplm {
+namespace mocaplm::position_fit_test {
 namespace {
 
 // The first `joints` of SMPL's joints of a clip.
@@ -326,4 +326,4 @@ TEST(BodyMeasure, FindsEveryUpAxisAndRefusesWhatIsNoBody) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::position_fit_test

@@ -4,16 +4,15 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/floor.h"
 #include "motion/helpers.h"
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 #include "motion/synth.h"
 
-namespace mocaplm {
+namespace mocaplm::posture_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Eigen::Vector3d rest(int joint) {
   return rest_joints().row(joint).transpose();
@@ -230,4 +229,4 @@ TEST(Posture, ProceduralDancesAreSound) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::posture_test

@@ -7,7 +7,7 @@
 
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::reading_test {
 namespace {
 
 TEST(Remarks, EachKindIsToldOnce) {
@@ -69,4 +69,4 @@ TEST(Units, AreNamesOrMetres) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::reading_test

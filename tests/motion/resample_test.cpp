@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "motion/helpers.h"
 #include "motion/rotation.h"
 
-namespace mocaplm {
+namespace mocaplm::resample_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double rotation_error(const Clip& a, Eigen::Index s, const Clip& b, Eigen::Index t) {
   double worst = 0;
@@ -190,4 +189,4 @@ TEST(KeepContinuous, LeavesWhatFollowsAlone) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::resample_test

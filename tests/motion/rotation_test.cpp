@@ -4,12 +4,11 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::rotation_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // Independent reference: the matrix exponential of the cross-product matrix, by its series after
 // halving.
@@ -197,4 +196,4 @@ TEST(ContinuousAxisAngle, KeepsAWholeTurnWhenTheRotationIsNone) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::rotation_test

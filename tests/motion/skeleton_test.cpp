@@ -7,7 +7,7 @@
 #include "common/error.h"
 #include "motion/helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::skeleton_test {
 namespace {
 
 // Rodrigues' formula, written out with no help from motion/rotation.h.
@@ -101,4 +101,4 @@ TEST(Skeleton, ParsesJointsAndGroups) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::skeleton_test

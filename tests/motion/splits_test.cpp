@@ -9,7 +9,7 @@
 #include "common/files.h"
 #include "common/temporary_folder.h"
 
-namespace mocaplm {
+namespace mocaplm::splits_test {
 namespace {
 
 // `groups` groups of `size` clips of one second.
@@ -135,4 +135,4 @@ TEST(Splits, ListsNameClipsBySuffixOrName) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::splits_test

@@ -12,7 +12,7 @@
 #include "motion/skeleton.h"
 #include "motion/synth/beat.h"
 
-namespace mocaplm {
+namespace mocaplm::synth_test {
 namespace {
 
 // Every third dance of the default set: all genres, dancers and situations, in a second or two.
@@ -181,4 +181,4 @@ TEST(Synth, FewerGenresShorterClipsOtherRates) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::synth_test

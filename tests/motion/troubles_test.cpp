@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mocaplm {
+namespace mocaplm::troubles_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -40,4 +40,4 @@ TEST(Troubles, OneLineAKindWithACountAndAnExample) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::troubles_test

@@ -8,7 +8,7 @@
 #include "motion/helpers.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::turn_test {
 namespace {
 
 TEST(Turn, TurnsEveryPositionAboutTheVertical) {
@@ -63,4 +63,4 @@ TEST(Turn, TurningTheWorldTurnsEveryJoint) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::turn_test

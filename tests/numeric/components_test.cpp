@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::components_test {
 namespace {
 
 Eigen::MatrixXd noise(Eigen::Index rows, Eigen::Index cols, std::uint64_t seed) {
@@ -91,4 +91,4 @@ TEST(IndependentComponents, SpanThePrincipalOnesAndRepeat) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::components_test

@@ -4,12 +4,11 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::dct_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Eigen::MatrixXd noise(Eigen::Index rows, Eigen::Index cols, std::uint64_t seed) {
   Random random(seed);
@@ -108,4 +107,4 @@ TEST(Dct, RowsAreTheMatrixs) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::dct_test

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
-namespace mocaplm {
+#include "common/angles.h"
+
+namespace mocaplm::distributions_test {
 namespace {
 
 TEST(Distributions, IncompleteBetaHasItsClosedForms) {
@@ -12,7 +14,7 @@ TEST(Distributions, IncompleteBetaHasItsClosedForms) {
     EXPECT_NEAR(incomplete_beta(1, 1, x), x, 1e-14);
     EXPECT_NEAR(incomplete_beta(1, 7, x), 1 - std::pow(1 - x, 7), 1e-13);
     EXPECT_NEAR(incomplete_beta(4, 1, x), std::pow(x, 4), 1e-13);
-    EXPECT_NEAR(incomplete_beta(0.5, 0.5, x), 2 / M_PI * std::asin(std::sqrt(x)), 1e-13);
+    EXPECT_NEAR(incomplete_beta(0.5, 0.5, x), 2 / kPi * std::asin(std::sqrt(x)), 1e-13);
     EXPECT_NEAR(incomplete_beta(3.5, 20, x) + incomplete_beta(20, 3.5, 1 - x), 1, 1e-13);
   }
   EXPECT_EQ(incomplete_beta(2, 3, 0), 0);
@@ -72,4 +74,4 @@ TEST(Distributions, TailsKeepTheirDigits) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::distributions_test

@@ -11,7 +11,7 @@
 #include "common/random.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::energy_tests {
 namespace {
 
 Eigen::MatrixXd points(Eigen::Index count, Eigen::Index dimensions, Random& random,
@@ -194,4 +194,4 @@ TEST(EnergyTest, RefusesWhatIsNoDistance) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::energy_tests

@@ -6,7 +6,7 @@
 
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::histogram_test {
 namespace {
 
 TEST(Histogram, CountsWithAdditiveSmoothing) {
@@ -42,4 +42,4 @@ TEST(Histogram, MeanBitsApproachTheEntropy) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::histogram_test

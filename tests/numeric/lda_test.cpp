@@ -9,7 +9,7 @@
 #include "common/error.h"
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::lda_test {
 namespace {
 
 struct Samples {
@@ -142,4 +142,4 @@ TEST(Lda, RefusesWhatItCannotLearnFrom) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::lda_test

@@ -10,7 +10,7 @@
 #include "numeric/components.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::leading_components_test {
 namespace {
 
 // n samples of d channels whose variances fall, mixed by products with random numbers.
@@ -56,4 +56,4 @@ TEST(LeadingComponents, RefuseWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::leading_components_test

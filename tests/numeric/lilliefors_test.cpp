@@ -8,7 +8,7 @@
 #include "common/random.h"
 #include "numeric/distributions.h"
 
-namespace mocaplm {
+namespace mocaplm::lilliefors_test {
 namespace {
 
 Eigen::VectorXd normals(Random& random, Eigen::Index n) {
@@ -97,4 +97,4 @@ TEST(Lilliefors, SameSeedSameValues) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::lilliefors_test

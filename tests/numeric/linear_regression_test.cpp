@@ -11,7 +11,7 @@
 #include "numeric/distributions.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::linear_regression_test {
 namespace {
 
 Eigen::MatrixXd normals(Random& random, Eigen::Index rows, Eigen::Index columns) {
@@ -225,4 +225,4 @@ TEST(LinearRegression, RefusesTooFewRowsAndNumbersThatAreNone) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::linear_regression_test

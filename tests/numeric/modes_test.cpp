@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::modes_test {
 namespace {
 
 Eigen::MatrixXf distances(const Eigen::MatrixXd& x) {
@@ -104,4 +104,4 @@ TEST(FindModes, BearsLittleDataAndRefusesBadData) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::modes_test

@@ -8,7 +8,7 @@
 
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::quantiles_test {
 namespace {
 
 TEST(NormalQuantile, IsTheInverseAndAsTabled) {
@@ -86,4 +86,4 @@ TEST(CompareQuantiles, GapIsThatOfTheDistributionFunctions) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::quantiles_test

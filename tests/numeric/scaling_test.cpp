@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::scaling_test {
 namespace {
 
 Eigen::MatrixXd distances(const Eigen::MatrixXd& x) {
@@ -59,4 +59,4 @@ TEST(ClassicalScaling, BearsPointsThatAreAllAlikeAndRefusesOthers) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::scaling_test

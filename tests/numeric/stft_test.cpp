@@ -5,12 +5,12 @@
 #include <cmath>
 #include <complex>
 
+#include "common/angles.h"
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::stft_test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 using Signal = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
 
 Signal noise(Eigen::Index samples, Eigen::Index channels, std::uint64_t seed) {
@@ -81,4 +81,4 @@ TEST(Stft, FloatsAgreeWithDoubles) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::stft_test

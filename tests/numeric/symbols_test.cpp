@@ -4,7 +4,7 @@
 
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::symbols_test {
 namespace {
 
 TEST(Symbols, DisagreementAndItsSpread) {
@@ -56,4 +56,4 @@ TEST(Symbols, ShortSequencesHaveOneWindowOrNone) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::symbols_test

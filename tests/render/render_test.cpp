@@ -20,7 +20,7 @@
 #include "support/run_program.h"
 #include "tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::render_test {
 namespace {
 
 Clip dance(Eigen::Index frames = 20, double fps = 20) {
@@ -329,4 +329,4 @@ TEST_F(Render, FilmsShowTheDance) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::render_test

@@ -10,7 +10,7 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
-namespace mocaplm {
+namespace mocaplm::evaluation_test {
 namespace {
 
 SpectralConfig small_config() {
@@ -147,4 +147,4 @@ TEST(QueryEvaluation, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::evaluation_test

@@ -6,14 +6,13 @@
 #include <complex>
 #include <limits>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/random.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::features_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Series noise(Eigen::Index frames, Eigen::Index channels, std::uint64_t seed) {
   Random random(seed);
@@ -123,4 +122,4 @@ TEST(Features, RefuseWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::features_test

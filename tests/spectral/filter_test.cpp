@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "motion/rotation.h"
 #include "numeric/dct.h"
@@ -12,10 +13,8 @@
 #include "support/refusal.h"
 #include "tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::filter_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // A head that nods at `slow` Hz and trembles at `fast` Hz, on whole coefficients of the DCT.
 Clip nodding(Eigen::Index frames, double fps, int slow, int fast) {
@@ -142,4 +141,4 @@ TEST(Embedding, OneChannelIsItsOwnSpectrum) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::filter_test

@@ -6,7 +6,7 @@
 
 #include "numeric/dct.h"
 
-namespace mocaplm {
+namespace mocaplm::frequencies_test {
 namespace {
 
 void expect_range(RowRange found, Eigen::Index first, Eigen::Index last) {
@@ -49,4 +49,4 @@ TEST(Frequencies, VisitsEveryRowOnceInOrder) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::frequencies_test

@@ -11,7 +11,7 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
-namespace mocaplm {
+namespace mocaplm::index_test {
 namespace {
 
 SpectralConfig small_config(const std::string& feature = "dct") {
@@ -141,4 +141,4 @@ TEST(Index, BadDatasetsAreAnswered) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::index_test

@@ -8,7 +8,7 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
-namespace mocaplm {
+namespace mocaplm::query_test {
 namespace {
 
 QueryOptions asked(const TemporaryFolder& folder, const std::string& clip) {
@@ -79,4 +79,4 @@ TEST(Query, ShortPiecesAreAnswered) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::query_test

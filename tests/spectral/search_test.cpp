@@ -13,7 +13,7 @@
 #include "common/temporary_folder.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::search_test {
 namespace {
 
 // Windows that lie around a few centres, so that neighbours are close and bounds matter.
@@ -176,4 +176,4 @@ TEST(Search, ZerosAndFewRows) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::search_test

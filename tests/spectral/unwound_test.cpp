@@ -6,7 +6,7 @@
 #include "spectral/measures.h"
 #include "tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::unwound_test {
 namespace {
 
 // A dancer who spins eight times in two seconds, stored in [-pi, pi].
@@ -48,4 +48,4 @@ TEST(Unwound, BeginsBesideTheOther) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::unwound_test

@@ -6,7 +6,7 @@
 #include "support/refusal.h"
 #include "tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::windows_test {
 namespace {
 
 TEST(Windows, StartEveryStrideAndEndWithTheClip) {
@@ -72,4 +72,4 @@ TEST(Windows, SettingsThatContradictAreRefused) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::windows_test

@@ -13,7 +13,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::include_direction_test {
 
 namespace {
 
@@ -234,4 +234,4 @@ TEST(IncludeDirection, FindsWhatIsWrong) {
   EXPECT_EQ(first("app/x.cpp", "#include \"train/trainer.h\"\n#include <CLI/CLI.hpp>\n"), "");
 }
 
-}  // namespace mocaplm
+}  // namespace mocaplm::include_direction_test

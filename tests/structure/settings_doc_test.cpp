@@ -27,7 +27,7 @@
 #include "tokenizer/tokenizer.h"
 #include "train/config.h"
 
-namespace mocaplm {
+namespace mocaplm::settings_doc_test {
 
 namespace {
 
@@ -192,4 +192,4 @@ TEST(SettingsDocument, Synth) {
   expect_documented("synth", rows_of(SynthConfig()));
 }
 
-}  // namespace mocaplm
+}  // namespace mocaplm::settings_doc_test

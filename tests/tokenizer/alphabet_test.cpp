@@ -6,7 +6,7 @@
 #include <cwctype>
 #include <set>
 
-namespace mocaplm {
+namespace mocaplm::alphabet_test {
 namespace {
 
 TEST(Alphabet, IsDistinctAscendingAndItsOwnInverse) {
@@ -63,4 +63,4 @@ TEST(Utf8, RefusesWhatIsNotWellFormed) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::alphabet_test

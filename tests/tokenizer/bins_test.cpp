@@ -10,7 +10,7 @@
 #include "common/random.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::bins_test {
 namespace {
 
 // The bin by looking at every edge.
@@ -128,4 +128,4 @@ TEST(RowSample, KeepsEverySecondRowWhenThereAreMany) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::bins_test

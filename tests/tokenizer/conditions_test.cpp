@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mocaplm {
+namespace mocaplm::conditions_test {
 namespace {
 
 TEST(Conditions, AreWhatTheModelKnows) {
@@ -26,4 +26,4 @@ TEST(Conditions, OfTheWindowsHeadAreHiddenWhereTheyAreNotKnown) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::conditions_test

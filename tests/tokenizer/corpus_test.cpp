@@ -7,7 +7,7 @@
 #include "common/temporary_folder.h"
 #include "tests/tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -113,4 +113,4 @@ TEST_F(Corpus, IndexMustFitTheTextAndTheTokenizer) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::corpus_test

@@ -3,7 +3,7 @@
 #include "common/error.h"
 #include "tokenizer/tokenizer.h"
 
-namespace mocaplm {
+namespace mocaplm::labels_test {
 namespace {
 
 Tokenizer example() {
@@ -49,4 +49,4 @@ TEST(Labels, UnknownOnesAreAnsweredWithTheNearestKnown) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::labels_test

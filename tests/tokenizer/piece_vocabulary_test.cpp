@@ -14,7 +14,7 @@
 #include "tokenizer/random_clips.h"
 #include "tokenizer/report.h"
 
-namespace mocaplm {
+namespace mocaplm::piece_vocabulary_test {
 namespace {
 
 std::vector<Clip> some_clips() {
@@ -200,4 +200,4 @@ TEST(PieceVocabulary, RefusesOtherPiecesAndDamagedFiles) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::piece_vocabulary_test

@@ -9,7 +9,7 @@
 #include "support/refusal.h"
 #include "tokenizer/alphabet.h"
 
-namespace mocaplm {
+namespace mocaplm::pieces_test {
 namespace {
 
 std::string alphabet(int count) {
@@ -128,4 +128,4 @@ TEST(Pieces, RefuseWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::pieces_test

@@ -8,7 +8,7 @@
 #include "tokenizer/measure.h"
 #include "tokenizer/tokenizer.h"
 
-namespace mocaplm {
+namespace mocaplm::quantile_tokenizer_test {
 namespace {
 
 std::vector<Clip> some_clips() {
@@ -196,4 +196,4 @@ TEST(QuantileTokenizer, UniformFingerprintsStay) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::quantile_tokenizer_test

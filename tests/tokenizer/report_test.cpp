@@ -5,18 +5,17 @@
 #include <cmath>
 #include <filesystem>
 
+#include "common/angles.h"
 #include "common/files.h"
 #include "common/temporary_folder.h"
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 #include "tokenizer/tokenize.h"
 
-namespace mocaplm {
+namespace mocaplm::report_test {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kPi = 3.14159265358979323846;
 
 std::vector<Clip> some_clips(std::uint64_t first) {
   std::vector<Clip> clips;
@@ -162,4 +161,4 @@ TEST(Report, FitsOnTheTrainingSplitAndMeasuresOnTheTestSplit) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::report_test

@@ -4,14 +4,13 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/random.h"
 #include "motion/helpers.h"
 #include "motion/rotation.h"
 
-namespace mocaplm {
+namespace mocaplm::root_motion_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 TEST(Heading, OfAYawIsTheYawAndTiltsDoNotTurn) {
   for (double yaw = -3.1; yaw < 3.1; yaw += 0.37) {
@@ -96,4 +95,4 @@ TEST(StepRange, OfNoMovementIsStillARange) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::root_motion_test

@@ -7,7 +7,7 @@
 #include "motion/synth.h"
 #include "tokenizer/report.h"
 
-namespace mocaplm {
+namespace mocaplm::synth_error_test {
 namespace {
 
 struct Stated {
@@ -89,4 +89,4 @@ TEST_F(SynthErrors, OfTiles) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::synth_error_test

@@ -11,7 +11,7 @@
 #include "tokenizer/root_motion.h"
 #include "tokenizer/tiles.h"
 
-namespace mocaplm {
+namespace mocaplm::tile_root_test {
 namespace {
 
 // The last three columns, (x, y, z) as TileTokenizer tells them, as (left, y, forward) steps.
@@ -111,4 +111,4 @@ TEST(TileRoot, StepsAndBackAreTheSame) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::tile_root_test

@@ -9,7 +9,7 @@
 #include "tokenizer/corpus.h"
 #include "tokenizer/tokenize.h"
 
-namespace mocaplm {
+namespace mocaplm::tiles_corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -108,4 +108,4 @@ TEST_F(TilesCorpus, PiecesLieBeside) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::tiles_corpus_test

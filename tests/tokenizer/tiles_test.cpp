@@ -6,16 +6,15 @@
 #include <cmath>
 #include <set>
 
+#include "common/angles.h"
 #include "common/settings.h"
 #include "motion/rotation.h"
 #include "support/refusal.h"
 #include "tests/tokenizer/random_clips.h"
 #include "tokenizer/word_measure.h"
 
-namespace mocaplm {
+namespace mocaplm::tiles_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 std::vector<Clip> some_clips() {
   std::vector<Clip> clips;
@@ -292,4 +291,4 @@ TEST(TileTokenizer, AStillClipIsToldByShortWords) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::tiles_test

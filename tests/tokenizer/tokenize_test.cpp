@@ -10,7 +10,7 @@
 #include "tests/tokenizer/random_clips.h"
 #include "tokenizer/measure.h"
 
-namespace mocaplm {
+namespace mocaplm::tokenize_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -118,4 +118,4 @@ TEST(TokenizerLoss, OnRealMotionIsAsPublished) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::tokenize_test

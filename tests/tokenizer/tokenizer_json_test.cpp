@@ -7,7 +7,7 @@
 #include "tests/tokenizer/random_clips.h"
 #include "tokenizer/tokenizer.h"
 
-namespace mocaplm {
+namespace mocaplm::tokenizer_json_test {
 namespace {
 
 Tokenizer example(const std::string& root = "steps") {
@@ -104,4 +104,4 @@ TEST(TokenizerJson, RefusesFilesThatAreNotWhole) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::tokenizer_json_test

@@ -4,14 +4,13 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "motion/rotation.h"
 #include "tests/tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::tokenizer_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 TokenizerConfig settings(std::int64_t bins, const std::string& root,
                          std::vector<std::string> joints = {"thesis"}) {
@@ -211,4 +210,4 @@ TEST(Tokenizer, RefusesSettingsAndClipsThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::tokenizer_test

@@ -4,7 +4,7 @@
 #include "common/random.h"
 #include "tokenizer/tokenizer.h"
 
-namespace mocaplm {
+namespace mocaplm::tokenizer_text_test {
 namespace {
 
 Tokenizer with_bins(int bins) {
@@ -56,4 +56,4 @@ TEST(TokenizerText, OnlyBinsAndSeparatorsHaveCharacters) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::tokenizer_text_test

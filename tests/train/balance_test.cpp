@@ -4,7 +4,7 @@
 
 #include <map>
 
-namespace mocaplm {
+namespace mocaplm::balance_test {
 namespace {
 
 // Two clips of 100 and 300 tokens are "large", one of 100 is "small", one of 50 has no label.
@@ -58,4 +58,4 @@ TEST(Balance, HalfWayGoesWithTheRoots) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::balance_test

@@ -10,7 +10,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::config_test {
 
 namespace {
 
@@ -177,4 +177,4 @@ TEST(RunConfig, NamesAFileThatIsNotThere) {
   }
 }
 
-}  // namespace mocaplm
+}  // namespace mocaplm::config_test

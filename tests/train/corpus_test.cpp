@@ -14,7 +14,7 @@
 #include "support/small_dataset.h"
 #include "train/stream_shape.h"
 
-namespace mocaplm {
+namespace mocaplm::corpus_test {
 
 namespace {
 
@@ -183,4 +183,4 @@ TEST_F(TrainCorpus, EvenWindowsTileTheCorpusAndNeverChange) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::corpus_test

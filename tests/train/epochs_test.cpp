@@ -14,7 +14,7 @@
 #include "support/small_dataset.h"
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::epochs_test {
 namespace {
 
 // One clip of `frames` frames that all hold the epoch as their first bin.
@@ -157,4 +157,4 @@ TEST(Augmentation, CorporaHaveTheChangedClips) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::epochs_test

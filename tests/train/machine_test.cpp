@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::machine_test {
 namespace {
 
 TEST(Machine, ParametersUseUpTheTime) {
@@ -50,4 +50,4 @@ TEST(Machine, RefusesADeviceThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::machine_test

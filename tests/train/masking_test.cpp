@@ -8,7 +8,7 @@
 #include "support/small_models.h"
 #include "train/batches.h"
 
-namespace mocaplm {
+namespace mocaplm::masking_test {
 namespace {
 
 constexpr std::size_t kChannels = 9, kPerFrame = 10;
@@ -213,4 +213,4 @@ TEST(Batches, AreTheSameWheneverTheyAreDrawn) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::masking_test

@@ -10,7 +10,7 @@
 #include "common/temporary_folder.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::optimizer_test {
 
 namespace {
 
@@ -169,4 +169,4 @@ TEST(Optimizer, DamagedFilesAreReadOrRefused) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::optimizer_test

@@ -11,7 +11,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::range_test_test {
 namespace {
 
 // Rates from 1e-5 to 1, a thousandth of a decade apart; `loss` of the rate's logarithm to base 10.
@@ -98,4 +98,4 @@ TEST(RangeTest, ReadsTheCurveOfATinyModel) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::range_test_test

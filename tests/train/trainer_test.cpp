@@ -15,7 +15,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::trainer_test {
 
 namespace {
 
@@ -356,4 +356,4 @@ TEST_F(Training, Bf16AndF32LearnAlike) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::trainer_test

@@ -9,7 +9,7 @@
 #include "viewer/figure.h"
 #include "viewer/page.h"
 
-namespace mocaplm {
+namespace mocaplm::browser_test {
 namespace {
 
 // A body that turns, bends and walks about, without a repeated frame.
@@ -235,4 +235,4 @@ TEST_F(BrowserTest, DrawsFlatWithoutWebGl) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::browser_test

@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::chart_test {
 namespace {
 
 // The widths of the bars, which are the rectangles with numbers.
@@ -63,4 +63,4 @@ TEST(Matrix, ManyClassesStayInThePicture) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::chart_test

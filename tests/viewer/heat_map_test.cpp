@@ -7,7 +7,7 @@
 #include "common/error.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::heat_map_test {
 namespace {
 
 TEST(HeatMap, DrawsEveryValueOnOneScale) {
@@ -34,4 +34,4 @@ TEST(HeatMap, ManyColumnsAreAveraged) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::heat_map_test

@@ -10,7 +10,7 @@
 #include "motion/dataset_write.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::open_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -143,4 +143,4 @@ TEST(PagePath, MustBeHtml) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::open_test

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <regex>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/random.h"
@@ -17,7 +18,7 @@
 #include "viewer/html.h"
 #include "viewer/pack.h"
 
-namespace mocaplm {
+namespace mocaplm::page_test {
 namespace {
 
 Clip random_clip(std::uint64_t seed, Eigen::Index frames, double fps) {
@@ -288,7 +289,7 @@ TEST(Figure, SurfacePointsTurnWithTheirJoints) {
   Clip clip = random_clip(4, 1, 30);
   clip.poses.setZero();
   const JointPositions rest = figure_points(clip, 0);
-  clip.poses(0, 1) = M_PI / 2;  // the whole body turns to its left: +Z becomes +X
+  clip.poses(0, 1) = kPi / 2;  // the whole body turns to its left: +Z becomes +X
   const JointPositions turned = figure_points(clip, 0);
   const Eigen::RowVector3d face = rest.row(25) - rest.row(15),
                            now = turned.row(25) - turned.row(15);
@@ -315,4 +316,4 @@ TEST(Html, Base64AndTemplate) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::page_test

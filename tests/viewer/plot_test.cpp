@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::plot_test {
 namespace {
 
 TEST(PlotTicks, AreRoundNumbersInside) {
@@ -98,4 +98,4 @@ TEST(Plot, ItsTableHasEveryPoint) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::plot_test

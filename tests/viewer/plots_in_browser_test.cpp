@@ -4,7 +4,7 @@
 #include "viewer/page.h"
 #include "viewer/plot.h"
 
-namespace mocaplm {
+namespace mocaplm::plots_in_browser_test {
 namespace {
 
 Plot long_plot() {
@@ -97,4 +97,4 @@ TEST_F(PlotsInBrowser, PicturesAndTablesHaveNames) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::plots_in_browser_test

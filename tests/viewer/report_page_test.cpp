@@ -4,7 +4,7 @@
 
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::report_page_test {
 namespace {
 
 TEST(ReportPage, HasTablesPicturesAndLinksToChapters) {
@@ -36,4 +36,4 @@ TEST(ReportPage, OfTablesAloneHasNoScript) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::report_page_test

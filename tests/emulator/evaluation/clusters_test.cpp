@@ -7,7 +7,7 @@
 #include "emulator/evaluation/random_postures.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::clusters_test {
 namespace {
 
 // A sequence that stays at four postures in turn, a quarter of its time at each, with some noise.
@@ -62,4 +62,4 @@ TEST(PostureClusters, RepeatAndBearOnePosture) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::clusters_test

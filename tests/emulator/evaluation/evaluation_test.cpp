@@ -12,7 +12,7 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
-namespace mocaplm {
+namespace mocaplm::evaluation_test {
 namespace {
 
 EvaluationOptions quick(const std::filesystem::path& data) {
@@ -185,4 +185,4 @@ TEST(FileStem, IsPlain) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::evaluation_test

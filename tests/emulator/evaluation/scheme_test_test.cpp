@@ -8,7 +8,7 @@
 #include "emulator/evaluation/reconstruction.h"
 #include "emulator/evaluation/two_level.h"
 
-namespace mocaplm {
+namespace mocaplm::scheme_test_test {
 namespace {
 
 SchemeTestOptions quick() {
@@ -144,4 +144,4 @@ TEST(TwoLevels, AGaussianFindsItselfAgain) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::scheme_test_test

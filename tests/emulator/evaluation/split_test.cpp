@@ -6,7 +6,7 @@
 
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::split_test {
 namespace {
 
 std::vector<DatasetEntry> entries(int clips, int groups) {
@@ -60,4 +60,4 @@ TEST(SplitClips, RefusesTooFewClips) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::split_test

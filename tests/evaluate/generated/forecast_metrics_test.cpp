@@ -4,13 +4,12 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/skeleton.h"
 #include "tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::forecast_metrics_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Clip still_clip(Eigen::Index frames) {
   Clip clip;
@@ -203,4 +202,4 @@ TEST(ForecastMetrics, AreaUnderTheCurveOfPck) {
   EXPECT_NEAR(score_until(errors, 1, 400).auc, (0.015 + 0.25) / 0.299, 1e-12);
 }
 
-}  // namespace mocaplm
+}  // namespace mocaplm::forecast_metrics_test

@@ -10,7 +10,7 @@
 #include "motion/resample.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::forecast_test {
 namespace {
 
 class Forecast : public testing::Test {
@@ -146,4 +146,4 @@ TEST_F(Forecast, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::forecast_test

@@ -6,7 +6,7 @@
 #include "motion/skeleton.h"
 #include "tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::forecast_windows_test {
 namespace {
 
 // Joint 5 turns by 0.1 a frame about a fixed axis of its own frame, the root moves on a line.
@@ -78,4 +78,4 @@ TEST(ForecastWindows, LinearExtrapolationTakesTheShorterWay) {
   EXPECT_NEAR(forecast.poses(0, 15), -pi + 0.6, 1e-12);
 }
 
-}  // namespace mocaplm
+}  // namespace mocaplm::forecast_windows_test

@@ -10,7 +10,7 @@
 #include "evaluate/generated/small_dancer.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::long_dances_test {
 namespace {
 
 class LongDances : public testing::Test {
@@ -90,4 +90,4 @@ TEST_F(LongDances, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::long_dances_test

@@ -6,7 +6,7 @@
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::model_forecast_test {
 namespace {
 
 const int kKnee = joint_index("left_knee"), kElbow = joint_index("right_elbow");
@@ -85,4 +85,4 @@ TEST_F(ModelForecast, HasItsLengthAtAnyRate) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::model_forecast_test

@@ -4,13 +4,12 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "motion/skeleton.h"
 #include "tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::motion_measures_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Clip standing(Eigen::Index frames, double fps = 20) {
   Clip clip;
@@ -108,4 +107,4 @@ TEST(MotionMeasures, ShortClipsAreMeasuredAsFarAsTheyGo) {
   }
 }
 
-}  // namespace mocaplm
+}  // namespace mocaplm::motion_measures_test

@@ -8,7 +8,7 @@
 #include "support/kernel_levels.h"
 #include "support/random_numbers.h"
 
-namespace mocaplm {
+namespace mocaplm::cache_test {
 
 namespace {
 
@@ -83,4 +83,4 @@ TEST_P(Cache, LargeScoresDoNotOverflow) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::cache_test

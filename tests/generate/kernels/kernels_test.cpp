@@ -8,7 +8,7 @@
 #include "support/kernel_levels.h"
 #include "support/random_numbers.h"
 
-namespace mocaplm {
+namespace mocaplm::kernels_test {
 
 namespace {
 
@@ -63,4 +63,4 @@ TEST(Level, OneThatTheProcessorLacksIsNotTaken) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::kernels_test

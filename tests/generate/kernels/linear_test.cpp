@@ -9,7 +9,7 @@
 #include "support/kernel_levels.h"
 #include "support/random_numbers.h"
 
-namespace mocaplm {
+namespace mocaplm::linear_test {
 
 namespace {
 
@@ -173,4 +173,4 @@ TEST(Bf16, RoundsToTheNearestAndTiesToEven) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::linear_test

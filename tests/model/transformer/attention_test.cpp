@@ -12,7 +12,7 @@
 #include "model/transformer/dropout.h"
 #include "support/tensors.h"
 
-namespace mocaplm {
+namespace mocaplm::attention_test {
 
 namespace {
 
@@ -255,4 +255,4 @@ TEST(DropoutMask, IsContiguousWhateverItIsLike) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::attention_test

@@ -7,7 +7,7 @@
 #include "model/transformer/cpu/block.h"
 #include "model/transformer/cpu/features.h"
 
-namespace mocaplm {
+namespace mocaplm::block_test {
 
 namespace {
 
@@ -209,4 +209,4 @@ TEST_F(FusedBlock, TheOutputLayerIsThePlainOneAtEverySize) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::block_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mocaplm {
+namespace mocaplm::embedding_sum_test {
 
 namespace {
 
@@ -44,4 +44,4 @@ TEST(EmbeddingSum, WithoutLookupsIsItsBase) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::embedding_sum_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace mocaplm {
+namespace mocaplm::feed_forward_test {
 
 namespace {
 
@@ -81,4 +81,4 @@ TEST(FeedForward, KernelsGiveWhatLibTorchGives) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::feed_forward_test

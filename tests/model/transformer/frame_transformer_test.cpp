@@ -6,12 +6,13 @@
 
 #include <cmath>
 
+#include "common/angles.h"
 #include "support/plain_transformer.h"
 #include "support/random_model.h"
 #include "support/small_models.h"
 #include "support/tensors.h"
 
-namespace mocaplm {
+namespace mocaplm::frame_transformer_test {
 
 namespace {
 
@@ -177,8 +178,8 @@ class Reference : public PlainTransformer {
       const double u = (2 * bin(frame, c) + 1) / static_cast<double>(d_.shape.bins) - 1;
       values.push_back(u);
       for (const int k : {1, 2, 4}) {
-        values.push_back(std::sin(k * M_PI * u));
-        values.push_back(std::cos(k * M_PI * u));
+        values.push_back(std::sin(k * kPi * u));
+        values.push_back(std::cos(k * kPi * u));
       }
       const auto turn = [&](std::size_t back) {
         return frame < back + 2
@@ -406,4 +407,4 @@ TEST(FrameTransformer, ItsParametersAreAsManyAsTheConfigSays) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::frame_transformer_test

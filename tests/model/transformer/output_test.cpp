@@ -10,7 +10,7 @@
 #include "model/input.h"
 #include "support/tensors.h"
 
-namespace mocaplm {
+namespace mocaplm::output_test {
 
 namespace {
 
@@ -165,4 +165,4 @@ TEST(CombinedCrossEntropy, DoesNotDependOnThreads) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::output_test

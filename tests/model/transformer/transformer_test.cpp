@@ -13,7 +13,7 @@
 #include "support/small_models.h"
 #include "support/tensors.h"
 
-namespace mocaplm {
+namespace mocaplm::transformer_test {
 
 namespace {
 
@@ -305,4 +305,4 @@ TEST(Transformer, FreshWeightsAreThoseOfGpt2) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::transformer_test

@@ -7,7 +7,7 @@
 #include "support/refusal.h"
 #include "support/small_models.h"
 
-namespace mocaplm {
+namespace mocaplm::weights_test {
 
 namespace {
 
@@ -130,4 +130,4 @@ TEST(SelfTest, IsMadeInF32WithoutDropoutAndLeavesTheModelAsItWas) {
 
 }  // namespace
 
-}  // namespace mocaplm
+}  // namespace mocaplm::weights_test

@@ -10,7 +10,7 @@
 #include "motion/helpers.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::aist_test {
 namespace {
 
 struct Arrays {
@@ -193,4 +193,4 @@ TEST(Aist, PiecesAndOtherCamerasAreTheSameDance) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::aist_test

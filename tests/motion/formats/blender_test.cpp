@@ -13,7 +13,7 @@
 #include "motion/resample.h"
 #include "support/run_program.h"
 
-namespace mocaplm {
+namespace mocaplm::blender_test {
 namespace {
 
 constexpr double kScale = 1.3;
@@ -157,4 +157,4 @@ TEST_F(Blender, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::blender_test

@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "motion/formats/formats.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::bvh_cases_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -136,10 +137,10 @@ TEST_F(BvhCases, TheTrunkLeansWithItsOnlyJoint) {
   const auto lean = [&](Eigen::Index t) {
     const Vector3d trunk =
         0.5 * (at(clip, t, 16) + at(clip, t, 17)) - 0.5 * (at(clip, t, 1) + at(clip, t, 2));
-    return std::atan2(trunk.z(), trunk.y()) * 180 / M_PI;
+    return std::atan2(trunk.z(), trunk.y()) * 180 / kPi;
   };
   EXPECT_NEAR(lean(1) - lean(0), 45, 3);
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::bvh_cases_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace mocaplm {
+namespace mocaplm::bvh_frame_rate_test {
 namespace {
 
 FrameRate rate_of(const std::string& digits) {
@@ -68,4 +68,4 @@ TEST(BvhFrameRate, RoundedTimesOfCommonRatesComeBack) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::bvh_frame_rate_test

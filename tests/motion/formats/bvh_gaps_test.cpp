@@ -5,16 +5,16 @@
 #include <cmath>
 #include <limits>
 
+#include "common/angles.h"
 #include "common/random.h"
 #include "motion/helpers.h"
 #include "motion/rotation.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::bvh_gaps_test {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 // One joint whose axes come in `order`, positions after the rotations, and beside it a joint of one
 // angle.
@@ -36,7 +36,7 @@ Bvh figure(const EulerOrder& order, Eigen::Index frames) {
 
 Eigen::Quaterniond rotation(const Bvh& bvh, Eigen::Index frame, const EulerOrder& order) {
   return quaternion_from_matrix(
-      matrix_from_euler(kDegree * bvh.values.row(frame).head<3>().transpose(), order));
+      matrix_from_euler(kRadians * bvh.values.row(frame).head<3>().transpose(), order));
 }
 
 // A joint that turns steadily about any axis, and goes steadily: the gap is known.
@@ -55,7 +55,7 @@ TEST(BvhGaps, SteadyMotionComesBack) {
       const auto time = static_cast<double>(t);
       truth.push_back(start * quaternion_from_axis_angle(time * turn));
       bvh.values.row(t).head<3>() =
-          (euler_from_matrix(truth.back().toRotationMatrix(), order) / kDegree).transpose();
+          (euler_from_matrix(truth.back().toRotationMatrix(), order) / kRadians).transpose();
       bvh.values.row(t).segment<3>(3) = time * way.transpose();
       bvh.values(t, 6) = std::remainder(350 + 3 * time, 360);  // over the half turn
     }
@@ -164,4 +164,4 @@ TEST(BvhGaps, AGivenRateCounts) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::bvh_gaps_test

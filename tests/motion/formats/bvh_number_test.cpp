@@ -10,7 +10,7 @@
 
 #include "common/random.h"
 
-namespace mocaplm {
+namespace mocaplm::bvh_number_test {
 namespace {
 
 // Parses `text` as it stands in a file, with `after` behind it; the place where the number ended.
@@ -106,4 +106,4 @@ TEST(BvhNumber, StopsWhereTheNumberEnds) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::bvh_number_test

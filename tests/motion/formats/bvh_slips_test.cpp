@@ -10,7 +10,7 @@
 #include "motion/formats/helpers.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::bvh_slips_test {
 namespace {
 
 const char* const kHierarchy =
@@ -231,4 +231,4 @@ TEST(BvhSlips, SharedCases) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::bvh_slips_test

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "common/angles.h"
 #include "common/error.h"
 #include "common/files.h"
 #include "common/random.h"
@@ -14,10 +15,8 @@
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::bvh_test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 const char* const kSmall =
     "HIERARCHY\n"
@@ -380,4 +379,4 @@ TEST(BvhWriter, RefusesAnUnsoundClipAndKeepsTheOldFile) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::bvh_test

@@ -14,7 +14,7 @@
 #include "motion/formats/skeletons.h"
 #include "support/glb_file.h"
 
-namespace mocaplm {
+namespace mocaplm::character_test {
 namespace {
 
 constexpr double kScale = 1.3;
@@ -305,4 +305,4 @@ TEST_F(CharacterFile, DamageIsRefusedOrRead) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::character_test

@@ -5,7 +5,7 @@
 #include "motion/formats/formats.h"
 #include "motion/formats/helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::disguise_test {
 namespace {
 
 std::string zip_with(const std::string& entry) {
@@ -60,4 +60,4 @@ TEST(Disguise, WhatItIsNotGoesOn) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::disguise_test

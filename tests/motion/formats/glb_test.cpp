@@ -9,7 +9,7 @@
 #include "motion/skeleton.h"
 #include "support/glb_file.h"
 
-namespace mocaplm {
+namespace mocaplm::glb_test {
 namespace {
 
 // Rotations of all kinds: unrelated frames, turns beyond pi, none at all, slow ones.
@@ -149,4 +149,4 @@ TEST(Glb, IsToldByItsFirstBytes) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::glb_test

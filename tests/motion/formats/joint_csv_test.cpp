@@ -7,7 +7,7 @@
 #include "motion/helpers.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::joint_csv_test {
 namespace {
 
 TEST(JointCsv, HoldsTheJointsOfEveryFrame) {
@@ -40,4 +40,4 @@ TEST(JointCsv, RefusesAnUnsoundClip) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::joint_csv_test

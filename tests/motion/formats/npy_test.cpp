@@ -7,7 +7,7 @@
 
 #include "motion/formats/helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::npy_test {
 namespace {
 
 // A .npy file of any version and header, written here independently of npy_bytes.
@@ -139,4 +139,4 @@ TEST(Npy, SurvivesFlippedBits) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::npy_test

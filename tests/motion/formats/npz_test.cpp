@@ -14,7 +14,7 @@
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::npz_test {
 namespace {
 
 using Entries = std::vector<std::pair<std::string, std::string>>;
@@ -256,4 +256,4 @@ TEST(Npz, SurvivesCutsAndFlippedBitsOfARealFile) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::npz_test

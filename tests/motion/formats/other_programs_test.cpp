@@ -15,7 +15,7 @@
 #include "support/glb_file.h"
 #include "support/run_program.h"
 
-namespace mocaplm {
+namespace mocaplm::other_programs_test {
 namespace {
 
 constexpr Eigen::Index kFrames = 40;
@@ -232,4 +232,4 @@ print(json.dumps({key: {"dtype": str(file[key].dtype), "shape": list(file[key].s
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::other_programs_test

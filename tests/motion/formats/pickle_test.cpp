@@ -5,7 +5,7 @@
 #include "motion/formats/helpers.h"
 #include "motion/formats/pickle_writer.h"
 
-namespace mocaplm {
+namespace mocaplm::pickle_test {
 namespace {
 
 using namespace std::string_literals;
@@ -220,4 +220,4 @@ TEST(Pickle, SurvivesCutsAndFlippedBits) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::pickle_test

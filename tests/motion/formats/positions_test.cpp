@@ -11,7 +11,7 @@
 #include "motion/helpers.h"
 #include "motion/import/sources.h"
 
-namespace mocaplm {
+namespace mocaplm::positions_test {
 namespace {
 
 TEST(Positions, HumanMl3dArraysComeIn) {
@@ -345,4 +345,4 @@ TEST(Positions, TheSharedCaseStands) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::positions_test

@@ -5,7 +5,7 @@
 #include "common/temporary_folder.h"
 #include "motion/formats/retarget_helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::recognise_test {
 namespace {
 
 // What a rig calls SMPL's joints, pelvis and spine first; "@" stands for the side.
@@ -395,4 +395,4 @@ TEST(Recognise, TheMapThatIsWrittenReadsTheFile) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::recognise_test

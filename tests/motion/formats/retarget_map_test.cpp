@@ -4,11 +4,12 @@
 
 #include <filesystem>
 
+#include "common/angles.h"
 #include "common/files.h"
 #include "common/json.h"
 #include "motion/formats/retarget_helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::retarget_map_test {
 namespace {
 
 class RetargetMaps : public testing::Test {
@@ -83,7 +84,7 @@ TEST_F(RetargetMaps, EulerAnglesOfTheTPose) {
     const RigJoint* parent = rig.parent(joint);
     const Matrix3d above = parent ? parent->axes : Matrix3d(Matrix3d::Identity());
     const Vector3d angles =
-        euler_from_matrix(above.transpose() * joint.axes, {0, 2, 1}) * 180 / M_PI;
+        euler_from_matrix(above.transpose() * joint.axes, {0, 2, 1}) * 180 / kPi;
     map_["t_pose"]["euler"][joint.name] = {angles[0], angles[1], angles[2]};
   }
   const Motion m = motion(random_);
@@ -192,4 +193,4 @@ TEST_F(RetargetMaps, ExamplesOfTheManualLoad) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::retarget_map_test

@@ -16,7 +16,7 @@
 #include "motion/rotation.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::retarget_reference_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -139,4 +139,4 @@ TEST_F(RetargetReference, Agrees) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::retarget_reference_test

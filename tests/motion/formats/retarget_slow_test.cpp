@@ -7,7 +7,7 @@
 #include "common/temporary_folder.h"
 #include "motion/formats/retarget.h"
 
-namespace mocaplm {
+namespace mocaplm::retarget_slow_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -40,4 +40,4 @@ TEST(RetargetSlow, LimbDirectionsOfAllFiles) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::retarget_slow_test

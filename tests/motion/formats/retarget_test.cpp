@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "common/angles.h"
 #include "motion/formats/retarget_helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::retarget_test {
 namespace {
 
 // Puts a joint that turns with its parent between `child` and its parent: a buttock, a lower back.
@@ -87,7 +88,7 @@ Rig daz(const std::vector<Vector3d>& positions) {
 // The table of data/README.md, item 5.
 Rig bandai(const std::vector<Vector3d>& positions) {
   Rig rig = rig_of(bandai_names(), positions);
-  const double a = 39.59 * M_PI / 180, b = 23.01 * M_PI / 180;
+  const double a = 39.59 * kPi / 180, b = 23.01 * kPi / 180;
   const Vector3d f(0, -std::sin(a), std::cos(a)), t(0, -std::sin(b), std::cos(b));
   for (RigJoint& joint : rig.joints) {
     const std::string& n = joint.name;
@@ -116,7 +117,7 @@ Rig lafan(const std::vector<Vector3d>& positions) {
   for (RigJoint& joint : rig.joints) {
     const std::string& n = joint.name;
     const bool left = n[0] == 'L', side = left || n[0] == 'R';
-    const double down = (n.find("Toe") != n.npos ? 4.5 : 25.5) * M_PI / 180;
+    const double down = (n.find("Toe") != n.npos ? 4.5 : 25.5) * kPi / 180;
     if (!side)
       joint.axes = axes(kY, kZ);
     else if (n.find("Leg") != n.npos)
@@ -236,7 +237,7 @@ TEST(Retarget, FeetOfASpreadZeroPoseStandFlat) {
   for (RigJoint& joint : rig.joints) {
     const std::string& n = joint.name;
     if (n.find("Leg") != n.npos || n.find("Foot") != n.npos || n.find("Toe") != n.npos)
-      joint.axes = matrix_from_axis_angle((n[0] == 'L' ? -1 : 1) * 20 * M_PI / 180 * kZ);
+      joint.axes = matrix_from_axis_angle((n[0] == 'L' ? -1 : 1) * 20 * kPi / 180 * kZ);
   }
   const Motion m = motion(random);
   const Clip clip = retarget_bvh(parse_bvh(rig.bvh(m.clip, m.roots), "rig"), "rig");
@@ -268,14 +269,14 @@ TEST(Retarget, RotationVectorsContinueInTime) {
   m.clip.poses.setZero(73, 72);
   m.roots.setZero(73, 3);
   for (Eigen::Index t = 0; t < 73; ++t)
-    m.clip.poses(t, 1) = 2 * M_PI * static_cast<double>(t) / 72 + 1e-3;
+    m.clip.poses(t, 1) = 2 * kPi * static_cast<double>(t) / 72 + 1e-3;
   const Clip clip =
       retarget_bvh(parse_bvh(mixamo(body(nullptr)).bvh(m.clip, m.roots), "rig"), "rig");
   int jumps = 0;
   for (Eigen::Index t = 1; t < 73; ++t)
     jumps += (clip.poses.row(t) - clip.poses.row(t - 1)).cwiseAbs().maxCoeff() > 0.2;
   EXPECT_EQ(jumps, 1);
-  EXPECT_LE(clip.poses.cwiseAbs().maxCoeff(), M_PI + 1e-9);
+  EXPECT_LE(clip.poses.cwiseAbs().maxCoeff(), kPi + 1e-9);
 }
 
 TEST(Retarget, UnitsAndRate) {
@@ -340,7 +341,7 @@ TEST(Retarget, AxesAskewAreFoundFromTheBones) {
   Random random(29);
   const Motion m = motion(random);
   Rig rig = mixamo(body(nullptr));
-  const Matrix3d tilt = matrix_from_axis_angle(M_PI / 4 * kX);
+  const Matrix3d tilt = matrix_from_axis_angle(kPi / 4 * kX);
   for (RigJoint& joint : rig.joints) joint.axes = tilt;
   RetargetReport report;
   const Clip clip =
@@ -407,4 +408,4 @@ TEST(Retarget, DamagedFilesAreRefusedOrSound) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::retarget_test

@@ -17,7 +17,7 @@
 #include "motion/skeleton.h"
 #include "support/run_program.h"
 
-namespace mocaplm {
+namespace mocaplm::scene_files_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -365,4 +365,4 @@ TEST_F(SceneFiles, RandomFbxTreesAreEvaluatedAsTheirBones) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::scene_files_test

@@ -13,7 +13,7 @@
 
 namespace fs = std::filesystem;
 
-namespace mocaplm {
+namespace mocaplm::scene_hostile_test {
 namespace {
 
 class HostileScenes : public testing::Test {
@@ -158,7 +158,7 @@ TEST_F(HostileScenes, NamesThatAreNotSo) {
   expect_refused(scratch_.put("a.fbx", "glTF\2"), "looks like a binary glTF");
   expect_refused(scratch_.put("a.glb", "Kaydara FBX Binary  "), "looks like an FBX");
   expect_refused(scratch_.put("a.dae", "HIERARCHY"), "BVH");
-  expect_refused(scratch_.put("b.dae", "<html></html>"), "neither");
+  expect_refused(scratch_.put("b.dae", "<html></html>"), "is a web page");
   expect_refused(scratch_.put("c.fbx", "Kaydara FBX Binary  \0\x1a"), "");
   expect_refused(scratch_.put("d.gltf", "{}"), "d.gltf");
 }
@@ -200,4 +200,4 @@ TEST_F(HostileScenes, TakesAndCurves) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::scene_hostile_test

@@ -10,7 +10,7 @@
 #include "motion/formats/scene_takes.h"
 #include "support/refusal.h"
 
-namespace mocaplm {
+namespace mocaplm::scene_test {
 namespace {
 
 std::vector<double> grid(double fps, int count, double begin = 0, double rounded = 0) {
@@ -134,4 +134,4 @@ TEST(SceneBytes, OfNoTree) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::scene_test

@@ -18,7 +18,7 @@
 #include "motion/helpers.h"
 #include "support/glb_file.h"
 
-namespace mocaplm {
+namespace mocaplm::skeletons_test {
 namespace {
 
 class Skeletons : public testing::TestWithParam<OutScheme> {
@@ -244,4 +244,4 @@ TEST(WriteOptionsOf, RefuseWhatHasNoEffect) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::skeletons_test

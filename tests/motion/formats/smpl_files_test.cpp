@@ -8,7 +8,7 @@
 #include "motion/formats/smpl_files.h"
 #include "motion/formats/zip_file.h"
 
-namespace mocaplm {
+namespace mocaplm::smpl_files_test {
 namespace {
 
 using namespace std::string_literals;
@@ -429,4 +429,4 @@ TEST(SmplFiles, SurvivesCutsAndFlippedBits) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::smpl_files_test

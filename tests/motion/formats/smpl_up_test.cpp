@@ -14,7 +14,7 @@
 #include "motion/helpers.h"
 #include "motion/skeleton.h"
 
-namespace mocaplm {
+namespace mocaplm::smpl_up_test {
 namespace {
 
 std::filesystem::path shared_case(const std::string& name) {
@@ -191,4 +191,4 @@ TEST(SmplUp, OurOwnFilesSayIt) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::smpl_up_test

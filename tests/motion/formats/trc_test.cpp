@@ -4,7 +4,7 @@
 
 #include "motion/formats/position_helpers.h"
 
-namespace mocaplm {
+namespace mocaplm::trc_test {
 namespace {
 
 TEST(Trc, JointCentresComeIn) {
@@ -80,4 +80,4 @@ TEST(Trc, SkinMarkersAreCalledThat) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::trc_test

@@ -9,7 +9,7 @@
 #include "motion/formats/skeleton_trees.h"
 #include "support/glb_file.h"
 
-namespace mocaplm {
+namespace mocaplm::vrma_test {
 namespace {
 
 // VRMC_vrm-1.0, humanoid.md: the bones that must be there, and each bone's parent.
@@ -127,4 +127,4 @@ TEST(Vrma, KeepsEveryJointWhereTheClipHasIt) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::vrma_test

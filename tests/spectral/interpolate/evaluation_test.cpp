@@ -11,7 +11,7 @@
 #include "support/refusal.h"
 #include "support/small_dataset.h"
 
-namespace mocaplm {
+namespace mocaplm::evaluation_test {
 namespace {
 
 // Six clips of each of two genres, two that are too short and one without the label.
@@ -121,4 +121,4 @@ TEST(InterpolateEvaluation, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::evaluation_test

@@ -9,7 +9,7 @@
 #include "support/refusal.h"
 #include "tokenizer/random_clips.h"
 
-namespace mocaplm {
+namespace mocaplm::interpolate_test {
 namespace {
 
 InterpolateConfig config_of(const std::string& target) {
@@ -141,4 +141,4 @@ TEST(Interpolate, BadInputIsAnswered) {
 }
 
 }  // namespace
-}  // namespace mocaplm
+}  // namespace mocaplm::interpolate_test
