@@ -1,5 +1,5 @@
-// The main of every test program: that of GoogleTest, with --file=NAME_test.cpp for the tests of one
-// file of the directory.
+// The main of every test program: that of GoogleTest, with --file=NAME_test.cpp for the tests of
+// one file of the directory.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -30,7 +30,8 @@ int main(int argc, char** argv) {
   const std::string option = "--file=";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    const std::string filter = word.rfind(option, 0) == 0 ? tests_of(word.substr(option.size())) : "";
+    const std::string filter =
+        word.rfind(option, 0) == 0 ? tests_of(word.substr(option.size())) : "";
     if (filter.empty()) {
       std::fprintf(stderr, "%s: no tests; --file=NAME_test.cpp chooses those of a file\n",
                    word.c_str());

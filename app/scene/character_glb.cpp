@@ -53,15 +53,16 @@ std::string character_glb(const std::filesystem::path& path) {
   const std::string file = path.string();
   const Scene scene = read_with_assimp(path);
   if (scene.skins.empty())
-    throw DataError(in_file(file), "has no mesh that a skeleton moves; expected a character with "
-                                   "its skin");
+    throw DataError(in_file(file),
+                    "has no mesh that a skeleton moves; expected a character with "
+                    "its skin");
   const std::string bytes = read_file(path);
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   importer.SetIOHandler(new SceneFiles("scene.fbx", bytes, {}));  // which owns it
   if (importer.ReadFile("scene.fbx", aiProcess_Triangulate | aiProcess_LimitBoneWeights |
-                                         aiProcess_JoinIdenticalVertices |
-                                         aiProcess_SortByPType) == nullptr)
+                                         aiProcess_JoinIdenticalVertices | aiProcess_SortByPType) ==
+      nullptr)
     throw DataError(in_file(file),
                     std::string("assimp cannot read it as an FBX: ") + importer.GetErrorString());
   const std::unique_ptr<aiScene> own(importer.GetOrphanedScene());
@@ -71,8 +72,8 @@ std::string character_glb(const std::filesystem::path& path) {
   Assimp::Exporter exporter;
   const aiExportDataBlob* blob = exporter.ExportToBlob(own.get(), "glb2");
   if (blob == nullptr || blob->size == 0)
-    throw DataError(in_file(file), std::string("assimp cannot turn it into a .glb: ") +
-                                       exporter.GetErrorString());
+    throw DataError(in_file(file),
+                    std::string("assimp cannot turn it into a .glb: ") + exporter.GetErrorString());
   return std::string(static_cast<const char*>(blob->data), blob->size);
 }
 

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 
 #include "common/find_program.h"
+#include "motion/formats/character.h"
 #include "motion/formats/formats.h"
 #include "motion/formats/glb.h"
 #include "motion/formats/helpers.h"
@@ -141,6 +143,52 @@ class Blender : public testing::Test {
 TEST_F(Blender, PutsADanceOnACharacter) {
   expect_dance("dance.bvh", OutScheme::mixamo, OutScheme::unreal);
   expect_dance("dance.glb", OutScheme::smpl, OutScheme::mixamo);
+}
+
+// Blender's own exporter makes an .fbx of the figure: in centimetres, Z up, bones with axes of its
+// own. It gets the dance as the .glb does from which it came.
+TEST_F(Blender, ExportsCharactersThatAreTaken) {
+  ::setenv("MOCAPLM_SCENE", MOCAPLM_BINARY_DIR "/mocaplm-scene", 0);
+  // Blender 3.4's importer asks NumPy for a name that 1.24 has no more.
+  scratch_.put("to_fbx.py", R"(
+import numpy
+numpy.bool = bool
+import bpy, sys
+source, target = sys.argv[-2:]
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.import_scene.gltf(filepath=source)
+for action in list(bpy.data.actions):
+    bpy.data.actions.remove(action)
+for thing in bpy.data.objects:
+    if thing.type == 'ARMATURE':
+        for bone in thing.pose.bones:
+            bone.matrix_basis.identity()
+bpy.ops.export_scene.fbx(filepath=target, bake_anim=False, add_leaf_bones=False)
+)");
+  for (const OutScheme scheme : {OutScheme::mixamo, OutScheme::unreal}) {
+    SCOPED_TRACE(to_string(scheme));
+    WriteOptions options;
+    options.skeleton = scheme;
+    write_clip(scratch_ / "character.glb", large_body(), options);
+    const Ran ran = run_shell("'" + blender_ + "' -b --python " + at("to_fbx.py") + " -- " +
+                              at("character.glb") + " " + at("character.fbx"));
+    ASSERT_TRUE(std::filesystem::exists(scratch_ / "character.fbx")) << ran.text;
+    const Character character(scratch_ / "character.fbx");
+    EXPECT_NEAR(character.scale(dance_), kScale, 1e-3);
+    const Character same(scratch_ / "character.glb");
+    const Clip back = read_clip(scratch_.put("out.glb", character.animated(dance_))),
+               other = read_clips(scratch_.put("same.glb", same.animated(dance_))).front().clip;
+    ASSERT_EQ(back.frames(), dance_.frames());
+    for (Eigen::Index t = 0; t < back.frames(); ++t) {
+      const JointPositions places = joint_positions(back, t);
+      EXPECT_LT((places - joint_positions(other, t)).rowwise().norm().maxCoeff(), 1e-3) << t;
+      EXPECT_LT((places - joint_positions(dance_, t)).rowwise().norm().maxCoeff(), 0.04) << t;
+    }
+    const Json out = json_of("out.glb");
+    EXPECT_EQ(out["animations"].size(), 1u);
+    EXPECT_EQ(out["skins"].size(), 1u);
+    EXPECT_EQ(out["meshes"].size(), 1u);
+  }
 }
 
 TEST_F(Blender, SaysWhatIsMissing) {

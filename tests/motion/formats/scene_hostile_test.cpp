@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstdlib>
 
+#include "motion/formats/character.h"
+#include "motion/formats/fbx_text.h"
 #include "motion/formats/formats.h"
 #include "motion/formats/gltf_file.h"
 #include "motion/formats/helpers.h"
@@ -45,6 +47,14 @@ class HostileScenes : public testing::Test {
         node.frames.push_back(now);
       }
     return tree;
+  }
+  static std::vector<FbxBone> two_fbx_bones() {
+    FbxBone upper, lower;
+    upper.name = "upper";
+    lower.name = "lower";
+    lower.parent = 0;
+    lower.translation = {0, 20, 0};
+    return {upper, lower};
   }
   static GltfFile gltf() {
     GltfFile file(two_bones());
@@ -161,6 +171,19 @@ TEST_F(HostileScenes, NamesThatAreNotSo) {
   expect_refused(scratch_.put("b.dae", "<html></html>"), "is a web page");
   expect_refused(scratch_.put("c.fbx", "Kaydara FBX Binary  \0\x1a"), "");
   expect_refused(scratch_.put("d.gltf", "{}"), "d.gltf");
+}
+
+TEST_F(HostileScenes, CharactersThatAreNone) {
+  const auto refused = [](const fs::path& file) { return refusal([&] { Character c(file); }); };
+  const std::string empty = refused(scratch_.put("empty.fbx", FbxText({}, {}).text()));
+  EXPECT_TRUE(contains(empty, "empty.fbx")) << empty;
+  const std::string bones = refused(scratch_.put("bones.FBX", FbxText(two_fbx_bones(), {}).text()));
+  EXPECT_TRUE(contains(bones, "bones.FBX") && contains(bones, "no mesh that a skeleton moves"))
+      << bones;
+  EXPECT_TRUE(contains(refused(scratch_.put("other.fbx", gltf().text())), "other.fbx"));
+  const std::string whole = FbxText(two_fbx_bones(), {}).text();
+  for (std::size_t end = 0; end < whole.size(); end += whole.size() / 7)
+    EXPECT_TRUE(contains(refused(scratch_.put("cut.fbx", whole.substr(0, end))), "cut.fbx"));
 }
 
 // ---- what there is to read ----
