@@ -36,7 +36,7 @@ struct Item {
 
 const char* const kParts = ".parts/";
 
-constexpr Eigen::Index kLookedAt = 64;  // frames of a clip that show how it stands
+constexpr Eigen::Index kLookedAt = 40;  // frames of a clip that show how it stands
 
 // Of all numbers' bits. Never stored: it only has to tell the clips of one import apart.
 std::uint64_t content_hash(const Clip& clip) {

@@ -1,5 +1,6 @@
 #include "motion/formats/bvh.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -99,6 +100,15 @@ void pose_bvh(const Bvh& bvh, Eigen::Index frame, const std::vector<std::size_t>
   pose.positions.resize(bvh.joints.size());
   const double* values = bvh.values.row(frame).data();
   for (const std::size_t i : joints) pose_joint(bvh, values, i, pose);
+}
+
+std::vector<BvhPose> some_poses(const Bvh& bvh, const std::vector<std::size_t>& joints) {
+  constexpr Eigen::Index kMostPoses = 24;
+  const Eigen::Index step = std::max<Eigen::Index>(1, (bvh.frames() + kMostPoses - 1) / kMostPoses);
+  std::vector<BvhPose> poses;
+  for (Eigen::Index t = 0; t < bvh.frames(); t += step)
+    pose_bvh(bvh, t, joints, poses.emplace_back());
+  return poses;
 }
 
 BvhPose rest_bvh(const Bvh& bvh) {

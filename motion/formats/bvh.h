@@ -79,6 +79,9 @@ void pose_bvh(const Bvh& bvh, Eigen::Index frame, const std::vector<std::size_t>
               BvhPose& pose);
 // The same for `channels` values of one's own.
 void pose_bvh_values(const Bvh& bvh, const double* values, BvhPose& pose);
+// Of some frames, evenly through the file and at most 24; only these joints are posed, each after
+// its parent.
+std::vector<BvhPose> some_poses(const Bvh& bvh, const std::vector<std::size_t>& joints);
 // The zero pose: no rotation, joints at their OFFSETs.
 BvhPose rest_bvh(const Bvh& bvh);
 

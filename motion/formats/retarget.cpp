@@ -69,11 +69,12 @@ class Retargeter {
         needed_(with_ancestors(bvh, figure_.joints())),
         rest_(find_rest_pose(bvh, map, figure_, file)) {
     figure_.find_limb_ends(rest_.pose);
-    const WorldTurn world = find_world_turn(bvh, map, figure_, rest_, options.up);
+    const std::vector<BvhPose> poses = some_poses(bvh, needed_);
+    const WorldTurn world = find_world_turn(poses, map, figure_, rest_, options.up);
     turn_ = world.turn;
     turn_quaternion_ = quaternion_from_matrix(turn_);
     if (!world.remark.empty()) remarks_.push_back({"up axis", world.remark});
-    lift_ = root_offset_to_add(bvh, figure_, turn_);
+    lift_ = root_offset_to_add(bvh, poses, figure_, turn_);
     if (lift_.y() > 0)
       remarks_.push_back({"root offset",
                           "the height of the root's OFFSET is added to its "
@@ -89,7 +90,7 @@ class Retargeter {
     count_from_rest();
     hands_ = {hand_at_rest(20), hand_at_rest(21)};
     const bool own_turns = map.scheme_spine && figure_.has(6);
-    trunk_.emplace(bvh_, figure_, rest_, turn_, map.align && !own_turns);
+    trunk_.emplace(bvh_, poses, figure_, rest_, turn_, map.align && !own_turns);
   }
 
   double unit() const { return size_.unit; }

@@ -28,18 +28,10 @@ Eigen::Vector3d smpl_trunk(const Rotations& world) {
          world[9] * (0.5 * (rest_joint(16) + rest_joint(17)) - rest_joint(9));
 }
 
-// Evenly through the file, at most 64.
-std::vector<Eigen::Index> some_frames(const Bvh& bvh) {
-  std::vector<Eigen::Index> frames;
-  const Eigen::Index step = std::max<Eigen::Index>(1, bvh.frames() / 64);
-  for (Eigen::Index t = 0; t < bvh.frames(); t += step) frames.push_back(t);
-  return frames;
-}
-
 }  // namespace
 
-Trunk::Trunk(const Bvh& bvh, const SourceFigure& figure, const RestPose& rest_pose,
-             const Eigen::Matrix3d& turn, bool keep_direction)
+Trunk::Trunk(const Bvh& bvh, const std::vector<BvhPose>& poses, const SourceFigure& figure,
+             const RestPose& rest_pose, const Eigen::Matrix3d& turn, bool keep_direction)
     : figure_(figure), turn_(turn), keep_(keep_direction) {
   const auto bone = [&](int from, int to) { return rest_pose.bone(figure, from, to); };
   const Eigen::Vector3d hips_middle = 0.5 * bone(1, 2);  // from the left hip
@@ -61,8 +53,8 @@ Trunk::Trunk(const Bvh& bvh, const SourceFigure& figure, const RestPose& rest_po
   };
   pelvis_rest_ = inverse(0);
   chest_rest_ = inverse(9);
-  pelvis_off_ = hips_turn_apart(bvh);
-  chest_off_ = shoulders_turn_apart(bvh);
+  pelvis_off_ = hips_turn_apart(poses);
+  chest_off_ = shoulders_turn_apart(bvh, poses);
 
   // How high the chest's joint lies, beside SMPL's spine1 and spine2; 0 at the hips.
   const Eigen::Vector3d whole = 0.5 * (bone(1, 16) + bone(1, 17)) - hips_middle;
@@ -95,10 +87,8 @@ Eigen::Quaterniond Trunk::own_rotation(const BvhPose& pose, int smpl) const {
 }
 
 // More than rounding, in any frame that is looked at.
-bool Trunk::hips_turn_apart(const Bvh& bvh) const {
-  BvhPose pose;
-  for (const Eigen::Index t : some_frames(bvh)) {
-    pose_bvh(bvh, t, pose);
+bool Trunk::hips_turn_apart(const std::vector<BvhPose>& poses) const {
+  for (const BvhPose& pose : poses) {
     if (angle_between(own_rotation(pose, 0) * hips_, source_bone(pose, 2, 1)) > 0.5 * kRadians)
       return true;
   }
@@ -106,21 +96,18 @@ bool Trunk::hips_turn_apart(const Bvh& bvh) const {
 }
 
 // The arms hang from another joint than the chest, or are turned against it as no shoulders are.
-bool Trunk::shoulders_turn_apart(const Bvh& bvh) const {
+bool Trunk::shoulders_turn_apart(const Bvh& bvh, const std::vector<BvhPose>& poses) const {
   if (!figure_.has(9)) return true;
   const auto hangs = [&](int left) {
     return common_ancestor(bvh, figure_.source(left), figure_.source(left + 1));
   };
   if (figure_.has(left_) && hangs(left_) != figure_.source(9)) return true;
   std::size_t apart = 0;
-  const auto frames = some_frames(bvh);
-  BvhPose pose;
-  for (const Eigen::Index t : frames) {
-    pose_bvh(bvh, t, pose);
+  for (const BvhPose& pose : poses) {
     apart += angle_between(own_rotation(pose, 9) * shoulders_, source_bone(pose, 17, 16)) >
              40 * kRadians;
   }
-  return 2 * apart > frames.size();
+  return 2 * apart > poses.size();
 }
 
 void Trunk::correct_ends(const BvhPose& pose, Rotations& world) const {

@@ -16,10 +16,11 @@ using Rotations = std::array<Eigen::Quaterniond, kJoints>;
 
 class Trunk {
  public:
-  // Looks at some frames to see what the joints' own rotations leave wrong. `turn` brings the
-  // file's world into ours. `keep_direction`: also the line from the hips to the shoulders is kept.
-  Trunk(const Bvh& bvh, const SourceFigure& figure, const RestPose& rest,
-        const Eigen::Matrix3d& turn, bool keep_direction);
+  // Looks at `poses`, some of the file's (some_poses), to see what the joints' own rotations leave
+  // wrong. `turn` brings the file's world into ours. `keep_direction`: also the line from the hips
+  // to the shoulders is kept.
+  Trunk(const Bvh& bvh, const std::vector<BvhPose>& poses, const SourceFigure& figure,
+        const RestPose& rest, const Eigen::Matrix3d& turn, bool keep_direction);
 
   // Pelvis: turned so that hips and the lower trunk lie as in the source, where the hips do not
   // turn with it. Chest: the same with the shoulders.
@@ -37,8 +38,8 @@ class Trunk {
   }
   Eigen::Vector3d source_trunk(const BvhPose& pose) const;
   Eigen::Vector3d wanted(const BvhPose& pose, const Rotations& world) const;
-  bool hips_turn_apart(const Bvh& bvh) const;
-  bool shoulders_turn_apart(const Bvh& bvh) const;
+  bool hips_turn_apart(const std::vector<BvhPose>& poses) const;
+  bool shoulders_turn_apart(const Bvh& bvh, const std::vector<BvhPose>& poses) const;
   Eigen::Quaterniond own_rotation(const BvhPose& pose, int smpl) const;
 
   const SourceFigure& figure_;

@@ -27,11 +27,8 @@ UpAxis named(const std::string& name) {
 // are near to where that axis is 0.
 class Upright {
  public:
-  Upright(const Bvh& bvh, const SourceFigure& figure) {
-    const Eigen::Index frames = bvh.frames(), step = std::max<Eigen::Index>(1, frames / 64);
-    BvhPose pose;
-    for (Eigen::Index t = 0; t < frames; t += step) {
-      pose_bvh(bvh, t, pose);
+  Upright(const std::vector<BvhPose>& poses, const SourceFigure& figure) {
+    for (const BvhPose& pose : poses) {
       const Eigen::Vector3d hips = figure.middle(pose, 1, 2), ankles = figure.middle(pose, 7, 8);
       const Eigen::Vector3d trunk = (figure.middle(pose, 16, 17) - hips).normalized();
       const Eigen::Vector3d legs = (hips - ankles).normalized();
@@ -56,15 +53,15 @@ class Upright {
 
 }  // namespace
 
-WorldTurn find_world_turn(const Bvh& bvh, const RetargetMap& map, const SourceFigure& figure,
-                          const RestPose& rest, UpAxis option) {
+WorldTurn find_world_turn(const std::vector<BvhPose>& poses, const RetargetMap& map,
+                          const SourceFigure& figure, const RestPose& rest, UpAxis option) {
   WorldTurn out;
   const UpAxis of_rest = rest.up ? axis_of(*rest.up) : UpAxis::y;
   UpAxis up = option;
   if (up == UpAxis::automatic && !map.up.empty()) up = named(map.up);
   if (up == UpAxis::automatic) {
     up = of_rest;
-    const Upright upright(bvh, figure);
+    const Upright upright(poses, figure);
     // One who lies on the floor lies along any axis; one who stands has the floor under the feet.
     if (upright.stands(of_rest) < 0.3)
       for (const UpAxis axis : kUpAxes)
@@ -88,15 +85,12 @@ WorldTurn find_world_turn(const Bvh& bvh, const RetargetMap& map, const SourceFi
   return out;
 }
 
-Eigen::Vector3d root_offset_to_add(const Bvh& bvh, const SourceFigure& figure,
-                                   const Eigen::Matrix3d& turn) {
+Eigen::Vector3d root_offset_to_add(const Bvh& bvh, const std::vector<BvhPose>& poses,
+                                   const SourceFigure& figure, const Eigen::Matrix3d& turn) {
   const double offset = (turn * bvh.joints.front().offset).y();
-  BvhPose pose;
   std::vector<double> lowest;
   double leg = 0;
-  const Eigen::Index step = std::max<Eigen::Index>(1, bvh.frames() / 64);
-  for (Eigen::Index t = 0; t < bvh.frames(); t += step) {
-    pose_bvh(bvh, t, pose);
+  for (const BvhPose& pose : poses) {
     leg = figure.leg(pose);
     lowest.push_back(std::min((turn * figure.at(pose, 7)).y(), (turn * figure.at(pose, 8)).y()));
   }
