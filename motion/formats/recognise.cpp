@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "motion/formats/joint_words.h"
+#include "motion/formats/recognise_guess.h"
 
 namespace mocaplm {
 
@@ -69,6 +70,7 @@ class Recogniser {
     if (pairs_.size() < 2) {
       out.doubt = pairs_.empty() ? "no two limbs are each other's mirror image"
                                  : "only one pair of limbs was found";
+      guess_by_words(words_, out.joints);
       return out;
     }
     choose(out);
@@ -95,13 +97,29 @@ class Recogniser {
   // Whether two children of one joint may be the two sides' limbs.
   bool mirrored(int a, int b) const {
     if (side(a) != Side::none || side(b) != Side::none) {
-      if (side(a) == side(b) || side(a) == Side::none || side(b) == Side::none) return false;
+      if (side(a) == side(b)) return false;
+      if (side(a) == Side::none || side(b) == Side::none) return is_the_other(a, b);
       const auto& wa = words_[static_cast<std::size_t>(a)];
       const auto& wb = words_[static_cast<std::size_t>(b)];
       return wa.bare == wb.bare || wa.part == wb.part;
     }
     // Where the names know sides, a limb has one.
-    if (sided_ || part(a) != part(b)) return false;
+    return !sided_ && part(a) == part(b) && alike(a, b);
+  }
+
+  // One of two limbs has no side in its name: it is the other's when it is built like it, and no
+  // third one is named to be.
+  bool is_the_other(int a, int b) const {
+    const int named = side(a) == Side::none ? b : a;
+    for (const int other : children(bvh_.joints[static_cast<std::size_t>(named)].parent))
+      if (other != named && side(other) != Side::none && side(other) != side(named) &&
+          part(other) == part(named))
+        return false;
+    return alike(a, b);
+  }
+
+  // Three joints or more, each as far from the one before as the other limb's.
+  bool alike(int a, int b) const {
     const std::vector<int> pa = limb_path(a), pb = limb_path(b);
     if (pa.size() != pb.size() || pa.size() < 3) return false;
     const double whole = reach_[static_cast<std::size_t>(a)] + length(a);
@@ -132,16 +150,10 @@ class Recogniser {
       bool inside = false;
       for (const Pair& other : pairs_)
         for (const LimbJoints* limb : {&other.left, &other.right})
-          inside = inside || is_below(pair.parent, limb->path.front());
+          inside = inside || is_below(bvh_, pair.parent, limb->path.front());
       if (!inside) outer.push_back(pair);
     }
     pairs_ = outer;
-  }
-
-  bool is_below(int joint, int above) const {
-    for (; joint >= 0; joint = bvh_.joints[static_cast<std::size_t>(joint)].parent)
-      if (joint == above) return true;
-    return false;
   }
 
   void add_pair(int parent, int a, int b, double all) {
@@ -429,7 +441,7 @@ class Recogniser {
   bool is_limb(const Recognised& out, int joint) const {
     for (const int smpl : {1, 2, 13, 14, 16, 17})
       if (out.joints[static_cast<std::size_t>(smpl)] >= 0 &&
-          is_below(out.joints[static_cast<std::size_t>(smpl)], joint))
+          is_below(bvh_, out.joints[static_cast<std::size_t>(smpl)], joint))
         return true;
     return false;
   }

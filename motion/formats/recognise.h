@@ -31,5 +31,7 @@ void assign_spine(const std::vector<int>& spine, const std::vector<double>& heig
 std::vector<int> path_down(const Bvh& bvh, int ancestor, int joint);
 // The lowest joint that both hang from, or are.
 int common_ancestor(const Bvh& bvh, int a, int b);
+// Whether `joint` hangs from `above`, or is it.
+bool is_below(const Bvh& bvh, int joint, int above);
 
 }  // namespace mocaplm

@@ -16,6 +16,12 @@ std::vector<int> path_down(const Bvh& bvh, int ancestor, int joint) {
   return path;
 }
 
+bool is_below(const Bvh& bvh, int joint, int above) {
+  for (; joint >= 0; joint = bvh.joints[static_cast<std::size_t>(joint)].parent)
+    if (joint == above) return true;
+  return false;
+}
+
 int common_ancestor(const Bvh& bvh, int a, int b) {
   // A parent's index is smaller than its children's.
   while (a != b && a >= 0 && b >= 0)

@@ -185,18 +185,23 @@ bool bones_along_x(const Bvh& bvh, const RetargetMap& map) {
   return true;
 }
 
-[[noreturn]] void fail_unknown(const Bvh& bvh, const std::string& doubt, const std::string& file) {
+// `written`: the map file with the best guess; empty: none was asked for.
+[[noreturn]] void fail_unknown(const Bvh& bvh, const std::string& doubt, const std::string& file,
+                               const std::string& written) {
   std::vector<std::string> names;
   for (const BvhJoint& joint : bvh.joints) {
     if (names.size() == 80) break;
     names.push_back(joint.name.substr(0, 60));
   }
   if (bvh.joints.size() > names.size()) names.push_back("...");
-  throw DataError(in_file(file),
-                  "is no figure that is recognised for certain: " + doubt +
-                      ". --write-map map.json writes the best guess; correct it and give it back "
-                      "with --bvh-map map.json (docs/bvh-maps.md). Joints in the file: " +
-                      join(names, ", "));
+  throw DataError(
+      in_file(file),
+      "is no figure that is recognised for certain: " + doubt +
+          (written.empty() ? ". --write-map map.json writes the best guess; correct it "
+                             "and give it back with --bvh-map map.json"
+                           : ". The best guess is in " + written +
+                                 "; correct it and give it back with --bvh-map " + written) +
+          " (docs/bvh-maps.md). Joints in the file: " + join(names, ", "));
 }
 
 // Whether the bones lie as SMPL's do in its rest pose, so that its own rotations can be taken.
@@ -272,7 +277,7 @@ RetargetMap detect_map(const Bvh& bvh, const std::string& file, const std::strin
     const Recognised found = recognise_body(bvh);
     best = recognised_map(bvh, found);
     write_once(best, write_to);
-    if (!found.doubt.empty()) fail_unknown(bvh, found.doubt, file);
+    if (!found.doubt.empty()) fail_unknown(bvh, found.doubt, file, write_to);
     return best;
   }
   mend_spine(bvh, best);

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+
 #include "common/temporary_folder.h"
+#include "motion/formats/recognise_guess.h"
 #include "motion/formats/retarget_helpers.h"
 
 namespace mocaplm::recognise_test {
@@ -345,6 +349,31 @@ TEST(Recognise, NamesThatSayNothing) {
        {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21})
     names.push_back({joint, "n" + std::to_string(100 + (joint * 7) % 23)});
   expect_recognised(rig_of(names, body(nullptr)), "numbers", names, motion(random, 1));
+}
+
+// A limb whose names say nothing among others that do.
+TEST(Recognise, OneLimbWithoutNames) {
+  Random random(46);
+  for (const std::vector<int>& limb :
+       {std::vector<int>{1, 4, 7, 10}, std::vector<int>{14, 17, 19, 21}}) {
+    Names names = names_of(vocabularies()[2]);
+    for (auto& [joint, name] : names)
+      if (std::count(limb.begin(), limb.end(), joint) > 0) name = "n" + std::to_string(joint);
+    expect_recognised(rig_of(names, body(nullptr)), "one limb", names, motion(random, 1));
+  }
+}
+
+// The best guess of a figure that lacks an arm says what the names do.
+TEST(Recognise, GuessesByNames) {
+  std::array<int, kJoints> joints;
+  joints.fill(-1);
+  guess_by_words(joint_words({"Hips", "Spine", "Spine1", "LeftUpLeg", "LeftLeg", "RightUpLeg",
+                              "RightLeg", "RightFoot", "Sword", "RightArm", "RightForeArm"}),
+                 joints);
+  const std::map<int, int> truth = {{0, 0}, {3, 1}, {6, 2}, {1, 3},  {4, 4},
+                                    {2, 5}, {5, 6}, {8, 7}, {17, 9}, {19, 10}};
+  for (int j = 0; j < kJoints; ++j)
+    EXPECT_EQ(joints[static_cast<std::size_t>(j)], truth.count(j) > 0 ? truth.at(j) : -1) << j;
 }
 
 TEST(Recognise, AnimalsAreDoubted) {
