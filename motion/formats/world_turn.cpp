@@ -94,9 +94,11 @@ Eigen::Vector3d root_offset_to_add(const Bvh& bvh, const std::vector<BvhPose>& p
     leg = figure.leg(pose);
     lowest.push_back(std::min((turn * figure.at(pose, 7)).y(), (turn * figure.at(pose, 8)).y()));
   }
-  std::nth_element(lowest.begin(), lowest.begin() + static_cast<std::ptrdiff_t>(lowest.size() / 2),
+  // A tenth of the frames is lower: a climber is on the ground for a while only.
+  const std::size_t tenth = lowest.size() / 10;
+  std::nth_element(lowest.begin(), lowest.begin() + static_cast<std::ptrdiff_t>(tenth),
                    lowest.end());
-  const double usual = lowest[lowest.size() / 2];
+  const double usual = lowest[tenth];
   // Ankles are a tenth of a leg above the floor.
   const bool sunk = usual<-0.5 * leg, mended = usual + offset> - 0.15 * leg;
   return sunk && mended && offset > 0.7 * leg ? Eigen::Vector3d(0, offset, 0)
