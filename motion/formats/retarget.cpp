@@ -74,7 +74,8 @@ class Retargeter {
     turn_ = world.turn;
     turn_quaternion_ = quaternion_from_matrix(turn_);
     if (!world.remark.empty()) remarks_.push_back({"up axis", world.remark});
-    lift_ = root_offset_to_add(bvh, poses, figure_, turn_);
+    lift_.setZero();
+    if (!options.absolute_root) lift_ = root_offset_to_add(bvh, poses, figure_, turn_);
     if (lift_.y() > 0)
       remarks_.push_back({"root offset",
                           "the height of the root's OFFSET is added to its "

@@ -24,6 +24,8 @@ struct BvhOptions {
   bool keep_path = false;         // the root's own path, not scaled by the legs
   bool fill_gaps = false;         // values that are nan for up to a second are interpolated
   std::string write_map;          // where the map that is found or guessed is written; "": nowhere
+  // The root's positions count from the world's origin, never from its OFFSET: of scene files.
+  bool absolute_root = false;
 };
 
 // Reads a .bvh file as a clip of SMPL's skeleton; the clip's name is the file's stem. Every frame

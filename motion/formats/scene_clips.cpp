@@ -34,6 +34,7 @@ std::vector<ReadMotion> read_scene_clips(const std::filesystem::path& path,
   if (!options.part.empty()) choose(found.motions, options.part, file);
 
   BvhOptions bvh = bvh_options(options);
+  bvh.absolute_root = true;
   if (options.unit) bvh.unit = *options.unit / scene.unit;
   std::vector<ReadMotion> motions;
   for (SceneMotion& take : found.motions) {

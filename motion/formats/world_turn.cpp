@@ -94,15 +94,18 @@ Eigen::Vector3d root_offset_to_add(const Bvh& bvh, const std::vector<BvhPose>& p
     leg = figure.leg(pose);
     lowest.push_back(std::min((turn * figure.at(pose, 7)).y(), (turn * figure.at(pose, 8)).y()));
   }
-  // A tenth of the frames is lower: a climber is on the ground for a while only.
-  const std::size_t tenth = lowest.size() / 10;
-  std::nth_element(lowest.begin(), lowest.begin() + static_cast<std::ptrdiff_t>(tenth),
-                   lowest.end());
-  const double usual = lowest[tenth];
-  // Ankles are a tenth of a leg above the floor.
-  const bool sunk = usual<-0.5 * leg, mended = usual + offset> - 0.15 * leg;
-  return sunk && mended && offset > 0.7 * leg ? Eigen::Vector3d(0, offset, 0)
-                                              : Eigen::Vector3d::Zero();
+  if (!(offset > 0.7 * leg)) return Eigen::Vector3d::Zero();
+  const auto lower_than = [&](std::size_t share) {
+    const auto at = lowest.begin() + static_cast<std::ptrdiff_t>(lowest.size() / share);
+    std::nth_element(lowest.begin(), at, lowest.end());
+    return *at;
+  };
+  // Ankles are a tenth of a leg above the floor. A climber is on it for a while only: then the
+  // lowest tenth must lie just there.
+  const double usual = lower_than(2), low = lower_than(10);
+  const bool walks = usual < -0.5 * leg && usual + offset > -0.15 * leg;
+  const bool climbs = low < -0.5 * leg && std::abs(low + offset - 0.1 * leg) < 0.12 * leg;
+  return walks || climbs ? Eigen::Vector3d(0, offset, 0) : Eigen::Vector3d::Zero();
 }
 
 }  // namespace mocaplm
