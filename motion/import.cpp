@@ -36,8 +36,6 @@ struct Item {
 
 const char* const kParts = ".parts/";
 
-constexpr Eigen::Index kLookedAt = 40;  // frames of a clip that show how it stands
-
 // Of all numbers' bits. Never stored: it only has to tell the clips of one import apart.
 std::uint64_t content_hash(const Clip& clip) {
   std::uint64_t hash = 0xcbf29ce484222325;
@@ -222,7 +220,7 @@ class Import {
       item.entry.frames = clip.frames();
       item.entry.fps = clip.fps;
       item.content = content_hash(clip);
-      item.posture = measure_posture(clip, kLookedAt);
+      item.posture = measure_posture(clip, kPostureFrames);
       item.retarget = std::move(read.retarget);
       store_clip(directory, item.entry, clip);
       std::vector<Remark> odd = unlikely(item.posture, item.retarget);

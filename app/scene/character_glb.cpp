@@ -26,7 +26,7 @@ aiMatrix4x4 matrix_from(const Eigen::Matrix4d& m) {
 }
 
 // Nodes by name as they stand in the scene that read_with_assimp gives, which has been corrected.
-// A name that several nodes share is left alone.
+// Of several nodes of one name the first.
 void stand_as(const Scene& scene, aiNode& root) {
   for (const SceneNode& node : scene.nodes)
     if (aiNode* found = root.FindNode(node.name.c_str()))

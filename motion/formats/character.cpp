@@ -236,10 +236,35 @@ double Character::Parts::ankles() const {
   return ankle - std::min(place(10).y(), place(11).y()) + 0.04 * leg();
 }
 
+namespace {
+
+// assimp writes colours twice: as glTF has them, and as an extension for an FBX's shininess, which
+// Blender prefers and shows grey.
+void drop_specular_glossiness(Json& document) {
+  const char* const name = "KHR_materials_pbrSpecularGlossiness";
+  if (document.contains("materials"))
+    for (Json& material : document["materials"])
+      if (material.is_object() && material.contains("extensions"))
+        material["extensions"].erase(name);
+  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+    if (!document.contains(list)) continue;
+    Json kept = Json::array();
+    for (const Json& extension : document[list])
+      if (extension != name) kept.push_back(extension);
+    if (kept.empty())
+      document.erase(list);
+    else
+      document[list] = kept;
+  }
+}
+
+}  // namespace
+
 Character::Character(const std::filesystem::path& file) : parts_(std::make_unique<Parts>()) {
-  parts_->scene = lower(file.extension().string()) == ".fbx"
-                      ? parse_gltf_scene(read_character_glb(file), file.string())
-                      : read_gltf_scene(file);
+  const bool fbx = lower(file.extension().string()) == ".fbx";
+  parts_->scene =
+      fbx ? parse_gltf_scene(read_character_glb(file), file.string()) : read_gltf_scene(file);
+  if (fbx) drop_specular_glossiness(parts_->scene.document);
   parts_->pose_at_rest();
   parts_->recognise();
 }

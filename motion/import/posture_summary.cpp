@@ -44,7 +44,7 @@ Table PostureSummary::table() const {
     table.row({measure.name, sum / static_cast<double>(count), *measure.value(*least), least->clip,
                *measure.value(*most), most->clip});
   }
-  table.note("At most 40 frames of each clip are looked at.");
+  table.note("At most " + std::to_string(kPostureFrames) + " frames of each clip are looked at.");
   return table;
 }
 

@@ -9,6 +9,9 @@
 
 namespace mocaplm {
 
+// Frames of a clip that show how it stands, at most.
+inline constexpr Eigen::Index kPostureFrames = 40;
+
 class PostureSummary {
  public:
   // In the order of the clips, whatever thread read them.

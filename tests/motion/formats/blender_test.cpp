@@ -188,6 +188,13 @@ bpy.ops.export_scene.fbx(filepath=target, bake_anim=False, add_leaf_bones=False)
     EXPECT_EQ(out["animations"].size(), 1u);
     EXPECT_EQ(out["skins"].size(), 1u);
     EXPECT_EQ(out["meshes"].size(), 1u);
+    // The figure's colour, said once.
+    const Json material = out["materials"].at(0),
+               truth = json_of("character.glb")["materials"].at(0);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(material["pbrMetallicRoughness"]["baseColorFactor"].at(c).get<double>(),
+                  truth["pbrMetallicRoughness"]["baseColorFactor"].at(c).get<double>(), 1e-3);
+    EXPECT_FALSE(contains(out.dump(), "SpecularGlossiness"));
   }
 }
 
